@@ -92,7 +92,7 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
       mount.mount_y_m + segment.range_m * std::sin(mount.mount_yaw_rad + segment.bearing_rad);
   detection.centre_x_m = mount.mount_x_m + c * place.x_m - s * place.y_m;
   detection.centre_y_m = mount.mount_y_m + s * place.x_m + c * place.y_m;
-  detection.covariance = geometry::turned_covariance(place.covariance, mount.mount_yaw_rad);
+  detection.covariance = geometry::rotated_covariance(place.covariance, mount.mount_yaw_rad);
 }
 
 }  // namespace orchard::detection

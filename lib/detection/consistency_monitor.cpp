@@ -75,7 +75,7 @@ std::string ConsistencyMonitor::warning() const {
   return disagreement("disagree", median_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
 }
 
-std::string ConsistencyMonitor::whole_run() const {
+std::string ConsistencyMonitor::run_summary() const {
   if (worst_px_ == 0.0) return {};
   return disagreement("disagreed", worst_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
 }

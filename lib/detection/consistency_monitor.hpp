@@ -39,7 +39,7 @@ class ConsistencyMonitor {
   /// The present disagreement as a message for the user; empty unless raised.
   std::string warning() const;
   /// The largest disagreement of the whole run as a message; empty if it was never raised.
-  std::string whole_run() const;
+  std::string run_summary() const;
 
  private:
   struct Observation {

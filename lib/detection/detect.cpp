@@ -163,7 +163,8 @@ void decide(Detection& d, double roc_tree, const Rig& rig) {
   d.label = label_of(roc_tree, rig.detector.tree_threshold);
 }
 
-AdaptationObservation look_at(const Detection& d, const std::optional<vision::WindowLight>& light) {
+AdaptationObservation judge_candidate(const Detection& d,
+                                      const std::optional<vision::WindowLight>& light) {
   return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
 }
 
@@ -250,8 +251,8 @@ std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vis
 
 namespace {
 
-DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* picture,
-                                const Rig& rig, const std::optional<Motion>& motion) {
+DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* picture,
+                              const Rig& rig, const std::optional<Motion>& motion) {
   DetectResult result;
   const auto to_exposure = picture ? to_picture(findings, picture->image(), rig, motion)
                                    : std::optional<ScanToPicture>();
@@ -292,7 +293,7 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
     const bool adapts = d.occlusion == 0 && d.roc_laser >= rig.detector.roc_laser_threshold;
     if (rig.detector.adaptation.enabled && adapts)
-      result.observations.push_back(look_at(d, lights[i]));
+      result.observations.push_back(judge_candidate(d, lights[i]));
   }
   return result;
 }
@@ -301,7 +302,7 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
 
 DetectResult judge_by_camera(LaserFindings findings, vision::PictureReader* picture, const Rig& rig,
                              const std::optional<Motion>& motion) {
-  DetectResult result = look_at_candidates(std::move(findings), picture, rig, motion);
+  DetectResult result = judge_candidates(std::move(findings), picture, rig, motion);
   judge_probabilities(result.detections.trunks, rig);
   return result;
 }

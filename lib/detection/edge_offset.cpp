@@ -78,9 +78,10 @@ std::vector<EdgeOffset> edge_offsets(const vision::EdgeMap& map, const TrunkView
   return offsets;
 }
 
-std::vector<CandidateEdges> look_for_edges(const LaserFindings& findings,
-                                           vision::PictureReader& picture, const Rig& rig,
-                                           const std::optional<Motion>& motion, double reach_px) {
+std::vector<CandidateEdges> find_candidate_edges(const LaserFindings& findings,
+                                                 vision::PictureReader& picture, const Rig& rig,
+                                                 const std::optional<Motion>& motion,
+                                                 double reach_px) {
   const vision::Image& image = picture.image();
   std::vector<CandidateEdges> seen;
   const auto to_exposure = to_picture(findings, image, rig, motion);

@@ -39,8 +39,9 @@ struct CandidateEdges {
 /// Runs edge_offsets() for every candidate in the camera's view. Empty if the image does not decode
 /// or has another size than the camera. Also announces the regions that judge_by_camera() will
 /// read, so that the image is decoded only once.
-std::vector<CandidateEdges> look_for_edges(const LaserFindings& findings,
-                                           vision::PictureReader& picture, const Rig& rig,
-                                           const std::optional<Motion>& motion, double reach_px);
+std::vector<CandidateEdges> find_candidate_edges(const LaserFindings& findings,
+                                                 vision::PictureReader& picture, const Rig& rig,
+                                                 const std::optional<Motion>& motion,
+                                                 double reach_px);
 
 }  // namespace orchard::detection

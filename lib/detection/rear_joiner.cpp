@@ -34,7 +34,7 @@ bool is_same(const Detection& a, const Detection& b, const std::optional<Motion>
   return apart_m < 0.5 * (a.width_m + b.width_m) + unknown_m;
 }
 
-bool is_known_better(const Detection& a, const Detection& b) {
+bool is_more_certain(const Detection& a, const Detection& b) {
   const bool a_judged = a.label != Label::kUnseen;
   const bool b_judged = b.label != Label::kUnseen;
   if (a_judged != b_judged) return a_judged;
@@ -42,7 +42,7 @@ bool is_known_better(const Detection& a, const Detection& b) {
 }
 
 /// Sets range and bearing to those relative to a scanner at `mount`.
-void give_polar(Detection& d, const laser::LaserConfig& mount) {
+void set_range_and_bearing(Detection& d, const laser::LaserConfig& mount) {
   const double x_m = d.surface_x_m - mount.mount_x_m;
   const double y_m = d.surface_y_m - mount.mount_y_m;
   d.range_m = std::hypot(x_m, y_m);
@@ -128,13 +128,13 @@ Detections RearJoiner::decide_front() {
   const std::optional<Motion> motion = motion_at(view.utime);
   const std::size_t num_front = view.trunks.size();
   for (Detection& rear : queue_.take(kRear).detections.trunks) {
-    give_polar(rear, mount_);
+    set_range_and_bearing(rear, mount_);
     const auto end = view.trunks.begin() + static_cast<std::ptrdiff_t>(num_front);
     const auto same = std::find_if(view.trunks.begin(), end,
                                    [&](const Detection& d) { return is_same(d, rear, motion); });
     if (same == end) {
       view.trunks.push_back(rear);
-    } else if (is_known_better(rear, *same)) {
+    } else if (is_more_certain(rear, *same)) {
       *same = rear;
     }
   }

@@ -40,7 +40,7 @@ constexpr double kLearnByLine_us = 100e6;
 DeviceClock::DeviceClock(int num_bits, double tick_us)
     : period_us_(std::ldexp(tick_us, num_bits)), tick_us_(tick_us) {}
 
-void DeviceClock::begin_talk() {
+void DeviceClock::begin_connection() {
   talk_begins_ = true;
   reading_.reset();
 }
@@ -150,7 +150,7 @@ double DeviceClock::least_recent(double span_us) const {
 void DeviceClock::fit() {
   while (samples_.back().device_us - samples_.front().device_us >= kMinSpan_us) {
     fit_hull();
-    if (!is_bent()) return;
+    if (!is_nonlinear()) return;
     // The rate of one clock has changed (for example NTP slews the host): drop the older half.
     samples_.erase(samples_.begin(),
                    samples_.begin() + static_cast<std::ptrdiff_t>((samples_.size() + 1) / 2));
@@ -158,7 +158,7 @@ void DeviceClock::fit() {
   offset_us_ = least_recent(kRecent_us);
 }
 
-bool DeviceClock::is_bent() const {
+bool DeviceClock::is_nonlinear() const {
   const Sample& last = samples_.back();
   auto first = samples_.rbegin();
   while (first != samples_.rend() && last.device_us - first->device_us < kRecent_us) ++first;

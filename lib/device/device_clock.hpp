@@ -21,7 +21,7 @@ class DeviceClock {
   DeviceClock(int num_bits, double tick_us);
 
   /// A connection was made: no message of an earlier connection can arrive any more.
-  void begin_talk();
+  void begin_connection();
 
   /// Adds a reading of the device's clock: request and answer at these host times [us].
   void read_between(std::uint32_t ticks, std::int64_t asked_utime, std::int64_t answered_utime);
@@ -34,7 +34,7 @@ class DeviceClock {
 
   /// Min delay from the stamped instant to the arrival [us]. For a device whose clock cannot be
   /// read it is the delay; otherwise it is the lower bound of the learnt delay.
-  void set_least_delay(double delay_us) { least_delay_us_ = possible_delay_us_ = delay_us; }
+  void set_min_delay(double delay_us) { least_delay_us_ = possible_delay_us_ = delay_us; }
 
   /// The host's clock was set forward by `step_us` (backward where negative).
   void host_stepped(std::int64_t step_us);
@@ -60,7 +60,7 @@ class DeviceClock {
   void keep(const Sample& sample);
   void fit();
   void fit_hull();
-  bool is_bent() const;
+  bool is_nonlinear() const;
   void learn_least_delay(double x_us, double delay_us);
   double least_recent(double span_us) const;
 

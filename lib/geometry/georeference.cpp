@@ -38,7 +38,7 @@ Eigen::Vector2d map_of(const Georeference& g, const Geodetic& place) {
   Eigen::Vector2d p_enu;
   double up_m = 0.0;
   enu.Forward(place.latitude_deg, place.longitude_deg, g.altitude_m, p_enu.x(), p_enu.y(), up_m);
-  return transform_back(Pose2{g.x_m, g.y_m, g.yaw_rad}, p_enu);
+  return inverse_transform(Pose2{g.x_m, g.y_m, g.yaw_rad}, p_enu);
 }
 
 int utm_epsg(const Georeference& g) {

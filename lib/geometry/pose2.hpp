@@ -47,11 +47,11 @@ inline Eigen::Vector2d transform(const Pose2& T_a_b, const Eigen::Vector2d& p_b)
 }
 
 /// inverse(T_a_b) * p_a.
-inline Eigen::Vector2d transform_back(const Eigen::Vector3d& T_a_b, const Eigen::Vector2d& p_a) {
+inline Eigen::Vector2d inverse_transform(const Eigen::Vector3d& T_a_b, const Eigen::Vector2d& p_a) {
   return rotation(T_a_b.z()).transpose() * (p_a - T_a_b.head<2>());
 }
-inline Eigen::Vector2d transform_back(const Pose2& T_a_b, const Eigen::Vector2d& p_a) {
-  return transform_back(T_a_b.vector(), p_a);
+inline Eigen::Vector2d inverse_transform(const Pose2& T_a_b, const Eigen::Vector2d& p_a) {
+  return inverse_transform(T_a_b.vector(), p_a);
 }
 
 /// T_b_a.
@@ -77,7 +77,7 @@ inline Pose2 compose(const Pose2& T_a_b, const Pose2& T_b_c) {
 /// inverse(T_a_b) * T_a_c = T_b_c.
 inline Eigen::Vector3d between(const Eigen::Vector3d& T_a_b, const Eigen::Vector3d& T_a_c) {
   Eigen::Vector3d T_b_c;
-  T_b_c.head<2>() = transform_back(T_a_b, T_a_c.head<2>());
+  T_b_c.head<2>() = inverse_transform(T_a_b, T_a_c.head<2>());
   T_b_c.z() = wrap_angle_rad(T_a_c.z() - T_a_b.z());
   return T_b_c;
 }
@@ -113,8 +113,8 @@ inline Eigen::Matrix3d compose_covariance(const Eigen::Vector3d& T_a_b, const Ei
 }
 
 /// Rotates the covariance (xx, xy, yy) of a point by an angle [rad].
-inline std::array<double, 3> turned_covariance(const std::array<double, 3>& covariance,
-                                               double angle_rad) {
+inline std::array<double, 3> rotated_covariance(const std::array<double, 3>& covariance,
+                                                double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   const auto [xx, xy, yy] = covariance;
   return {c * c * xx - 2.0 * c * s * xy + s * s * yy, c * s * (xx - yy) + (c * c - s * s) * xy,

@@ -42,7 +42,8 @@ RigidFit2 fit_rigid(const std::vector<Vector2d>& p_a, const std::vector<Vector2d
   return fit;
 }
 
-Pose2 through_two(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1, const Vector2d& b2) {
+Pose2 pose_from_two_pairs(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1,
+                          const Vector2d& b2) {
   const Vector2d a = a2 - a1, b = b2 - b1;
   Pose2 T_a_b;
   T_a_b.yaw_rad = wrap_angle_rad(std::atan2(a.y(), a.x()) - std::atan2(b.y(), b.x()));

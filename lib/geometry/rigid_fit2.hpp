@@ -30,7 +30,7 @@ RigidFit2 fit_rigid(const std::vector<Eigen::Vector2d>& p_a,
 
 /// T_a_b that maps the midpoint of (b1, b2) to that of (a1, a2) and aligns their directions: the
 /// hypothesis of two correspondences.
-Pose2 through_two(const Eigen::Vector2d& a1, const Eigen::Vector2d& a2, const Eigen::Vector2d& b1,
-                  const Eigen::Vector2d& b2);
+Pose2 pose_from_two_pairs(const Eigen::Vector2d& a1, const Eigen::Vector2d& a2,
+                          const Eigen::Vector2d& b1, const Eigen::Vector2d& b2);
 
 }  // namespace orchard::geometry

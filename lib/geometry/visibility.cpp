@@ -33,7 +33,7 @@ void OcclusionTest::add(const Eigen::Vector2d& p, double width_m) {
   shadows_.push_back({p / range_m, range_m, 0.5 * width_m + kHalfTrunk_m});
 }
 
-bool OcclusionTest::hides(const Eigen::Vector2d& p) const {
+bool OcclusionTest::occludes(const Eigen::Vector2d& p) const {
   for (const Shadow& shadow : shadows_) {
     const double along_m = shadow.direction.dot(p);
     if (along_m < shadow.range_m + kBehind_m) continue;

@@ -32,7 +32,7 @@ class OcclusionTest {
   void add(const Eigen::Vector2d& p, double width_m);
 
   /// True if a trunk at p is hidden by one of the added trunks.
-  bool hides(const Eigen::Vector2d& p) const;
+  bool occludes(const Eigen::Vector2d& p) const;
 
  private:
   struct Shadow {

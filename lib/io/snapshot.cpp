@@ -71,7 +71,7 @@ void write_snapshot(const std::string& path, std::int64_t identity, const Snapsh
   put(bytes, snapshot.journal_number);
   put(bytes, snapshot.journal_bytes);
   put(bytes, static_cast<std::uint32_t>(snapshot.chunks.size()));
-  for (const KeptChunk& chunk : snapshot.chunks) {
+  for (const PersistentChunk& chunk : snapshot.chunks) {
     put(bytes, chunk.number);
     put(bytes, chunk.crc);
   }

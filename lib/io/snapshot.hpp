@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/file_memory.hpp"
+#include "io/file_chunk_allocator.hpp"
 
 namespace orchard::io {
 
@@ -14,7 +14,8 @@ namespace orchard::io {
 struct Snapshot {
   std::uint64_t journal_number = 0;  ///< journal up to which the state is valid
   std::uint64_t journal_bytes = 0;
-  std::vector<KeptChunk> chunks;  ///< chunks of the FileMemory beside it, in order of number
+  std::vector<PersistentChunk>
+      chunks;  ///< chunks of the FileChunkAllocator beside it, in order of number
   std::string state;
 };
 

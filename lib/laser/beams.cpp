@@ -75,7 +75,7 @@ void Beams::find_bright(const Scan& scan) {
 }
 
 void Beams::remove_foreground_clutter() {
-  std::vector<std::size_t> fronts;
+  std::vector<std::size_t> foregrounds;
   for (std::size_t i = 1; i + 1 < ranges_m_.size(); ++i) {
     const float before_m = ranges_m_[i - 1], here_m = ranges_m_[i], after_m = ranges_m_[i + 1];
     if (before_m <= 0.0f || here_m <= 0.0f || after_m <= 0.0f) continue;
@@ -84,10 +84,10 @@ void Beams::remove_foreground_clutter() {
     const float nearer_m = std::min(before_m, after_m);
     if (here_m < nearer_m - stands_out_m && std::abs(before_m - after_m) < stands_out_m &&
         joined(here_m, nearer_m)) {
-      fronts.push_back(i);
+      foregrounds.push_back(i);
     }
   }
-  for (const std::size_t i : fronts) ranges_m_[i] = 0.0f;
+  for (const std::size_t i : foregrounds) ranges_m_[i] = 0.0f;
 }
 
 std::ptrdiff_t Beams::first_gap() const {

@@ -95,7 +95,7 @@ CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockw
   fit.y_m = s * local.x_m + c * m * local.y_m;
   const auto& [xx, xy, yy, xr, mirrored_yr, rr] = local.covariance;
   const double yr = m * mirrored_yr;
-  const auto turned = geometry::turned_covariance({xx, m * xy, yy}, bearing_rad);
+  const auto turned = geometry::rotated_covariance({xx, m * xy, yy}, bearing_rad);
   fit.covariance = {turned[0], turned[1], turned[2], c * xr - s * yr, s * xr + c * yr, rr};
   return fit;
 }
@@ -219,7 +219,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
                gap_after_m = gap_m(beams, candidate.last, 1);
   s.gap_right_m = upwards ? gap_before_m : gap_after_m;
   s.gap_left_m = upwards ? gap_after_m : gap_before_m;
-  s.num_fronts = candidate.num_fronts;
+  s.num_foregrounds = candidate.num_foregrounds;
   measure_intensity(scan, beams, candidate, config.reflectivity_min, s);
   measure_shape(scan, candidate, sides, config, laser, fit, s);
   if (s.circle && (s.occluded_left || s.occluded_right) && width.mode == WidthMode::kCompensated) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "laser/beams.hpp"
-#include "laser/cut.hpp"
+#include "laser/candidate.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/segment.hpp"
 #include "laser/splitting/candidate_fit.hpp"

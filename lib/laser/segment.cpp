@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "laser/beams.hpp"
-#include "laser/cut.hpp"
+#include "laser/candidate.hpp"
 #include "laser/measure.hpp"
 #include "laser/splitting/bright_cut.hpp"
 #include "laser/splitting/occlusion_merge.hpp"
@@ -35,7 +35,7 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
     return segments;
   }
   const Beams beams(scan, segmentation);
-  std::vector<Candidate> candidates = cut(beams);
+  std::vector<Candidate> candidates = find_candidates(beams);
   CandidateFitter fit(beams, segmentation, laser);
   merge_occluded(beams, segmentation, fit, candidates);
   for (Candidate& candidate : candidates) trim_border(beams, candidate);

@@ -38,7 +38,7 @@ struct Segment {
   double depth_m = 0.0;         ///< extent of its points along the line of sight
   bool occluded_right = false;  ///< this side is hidden by a nearer object or the end of the scan
   bool occluded_left = false;
-  int num_fronts = 0;  ///< number of thin objects (grass, twigs) that hide some of its beams
+  int num_foregrounds = 0;  ///< number of thin objects (grass, twigs) that hide some of its beams
 
   /// Circle fitted to the visible arc, laser frame. Needs SegmentationConfig::min_beams_circle
   /// beams (twice as many with a hidden side) and an acceptable chi2 per degree of freedom.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "laser/beams.hpp"
+#include "laser/candidate.hpp"
 #include "laser/circle_fit.hpp"
-#include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
 
 namespace orchard::laser {

@@ -129,7 +129,7 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
 }
 
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config, const AreTwo& are_two) {
+                           const MapperConfig& config, const AreDistinct& are_distinct) {
   const LandmarkRecord& r = landmarks[index];
   std::int32_t best = -1;
   double best_m2 = config.merge_m * config.merge_m;
@@ -143,7 +143,7 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best)))
                      return;
                    if (distance_m2 <= config.split_distance_m * config.split_distance_m ||
-                       !are_two(index, i)) {
+                       !are_distinct(index, i)) {
                      best_m2 = distance_m2;
                      best = i;
                    }

@@ -41,12 +41,12 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
                                                    const Eigen::Vector2d& p_map, double reach_m);
 
 /// Whether scans repeatedly observe two landmarks (given by index) at the same time.
-using AreTwo = std::function<bool(std::int32_t, std::int32_t)>;
+using AreDistinct = std::function<bool(std::int32_t, std::int32_t)>;
 
 /// Index of the landmark that this one must be merged with: the nearest within merge_m of similar
 /// width that was not observed in the same scan and, if farther than split_distance_m, is not known
 /// to be a separate landmark. -1 = none; the lowest index among equally near ones.
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config, const AreTwo& are_two);
+                           const MapperConfig& config, const AreDistinct& are_distinct);
 
 }  // namespace orchard::mapping

@@ -79,7 +79,7 @@ pose::PoseEstimate align(std::vector<Candidate>& candidates, const pose::PoseEst
   return aligned;
 }
 
-double sd_at(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_map) {
+double pose_induced_sd_m(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_map) {
   const Eigen::Vector2d arm = p_map - Eigen::Vector2d(pose.x_m, pose.y_m);
   return std::sqrt(std::max(0.0, 0.5 * swept(matrix_of(pose.covariance), arm).trace()));
 }

@@ -33,6 +33,6 @@ pose::PoseEstimate align(std::vector<Candidate>& candidates, const pose::PoseEst
                          double kernel_m, const NearestLandmark& nearest);
 
 /// 1-sigma per axis of a map point caused by the covariance of the pose [m].
-double sd_at(const pose::PoseEstimate& T_map_base, const Eigen::Vector2d& p_map);
+double pose_induced_sd_m(const pose::PoseEstimate& T_map_base, const Eigen::Vector2d& p_map);
 
 }  // namespace orchard::mapping

@@ -104,7 +104,7 @@ void fuse_association_position(LandmarkRecord& r, const Eigen::Vector2d& p_align
   r.association_information = static_cast<float>(total);
 }
 
-void fuse_width(LandmarkRecord& r, const detection::Detection& d, int fewest_beams) {
+void fuse_width(LandmarkRecord& r, const detection::Detection& d, int min_beams) {
   const double sd_m = std::max(d.width_sd_m, kWidthSdMin_m);
   double fraction = 1.0;
   if (r.width_observations > 0.0f) {
@@ -114,7 +114,7 @@ void fuse_width(LandmarkRecord& r, const detection::Detection& d, int fewest_bea
   }
   // smallest width that is always hit by enough beams at this range, with one to spare
   const double least_m =
-      d.num_beams > 0 ? d.width_m - (d.num_beams - fewest_beams - 1) * beam_m(d) : 0.0;
+      d.num_beams > 0 ? d.width_m - (d.num_beams - min_beams - 1) * beam_m(d) : 0.0;
   const double known_m = r.width_information > 0.0f ? r.width_m : d.width_m;
   if (d.occlusion != 0 || known_m < least_m) {
     fraction = std::min(fraction, kHint);
@@ -190,7 +190,7 @@ double log_odds_max(const MapperConfig& config) {
 }
 
 TreeRates tree_rates(const MapperConfig& config) {
-  if (config.flash_tells) return {kFlashRateOfTrees, kFlashRateOfObjects};
+  if (config.reflector_marks_tree) return {kFlashRateOfTrees, kFlashRateOfObjects};
   return {kTreeRateOfTrees, kTreeRateOfObjects};
 }
 

@@ -62,8 +62,8 @@ void fuse_association_position(LandmarkRecord& record, const Eigen::Vector2d& p_
 /// The width error of a detection depends on how its beams fall, so an observation taken less than
 /// one beam step (in base) from the last one counts by that fraction. Partly occluded observations
 /// get almost no weight. The same holds at ranges where an object of the mean width may be hit by
-/// `fewest_beams` beams or fewer: narrow observations are missing there, so the others are biased.
-void fuse_width(LandmarkRecord& record, const detection::Detection& d, int fewest_beams);
+/// `min_beams` beams or fewer: narrow observations are missing there, so the others are biased.
+void fuse_width(LandmarkRecord& record, const detection::Detection& d, int min_beams);
 
 /// Standard error of the mean width [m], from the observation variances, or from their scatter if
 /// that is larger (trunks are not round). 0 for a record without a width.

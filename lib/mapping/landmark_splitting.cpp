@@ -80,8 +80,8 @@ int count(const std::vector<char>& shown) {
 
 /// Whether scans repeatedly occupy both positions at the same time, with little between them. A
 /// wrong pose shows one object at two positions, but never in the same scan.
-bool are_two(const Window& window, const Vector2d& a, const Vector2d& b,
-             const std::vector<char>& at_a, const std::vector<char>& at_b) {
+bool are_distinct(const Window& window, const Vector2d& a, const Vector2d& b,
+                  const std::vector<char>& at_a, const std::vector<char>& at_b) {
   int both = 0;
   for (std::size_t i = 0; i < at_a.size(); ++i) both += at_a[i] & at_b[i];
   const int fewer = std::min(count(at_a), count(at_b));
@@ -125,7 +125,7 @@ std::optional<PositionPair> two_positions(const Window& window, double apart_m) 
   const auto at_second = scans_showing(window, *second, kAtPosition_m);
   const int num = count(at_second);
   if (num < kRarerScansMin || num < kRarerFraction * count(at_first)) return std::nullopt;
-  if (!are_two(window, *first, *second, at_first, at_second)) return std::nullopt;
+  if (!are_distinct(window, *first, *second, at_first, at_second)) return std::nullopt;
   return PositionPair{*first, *second};
 }
 
@@ -199,7 +199,7 @@ void split_landmarks(MapState& map, MapUpdate& update) {
   }
 }
 
-bool are_two_landmarks(const MapState& map, std::int32_t a, std::int32_t b) {
+bool are_distinct_landmarks(const MapState& map, std::int32_t a, std::int32_t b) {
   if (!map.config.split_landmarks) return false;
   const LandmarkRecord& r = map.landmarks[a];
   const LandmarkRecord& other = map.landmarks[b];
@@ -207,8 +207,8 @@ bool are_two_landmarks(const MapState& map, std::int32_t a, std::int32_t b) {
   const Vector2d p_a = r.association_position(), p_b = other.association_position();
   const Window window = observations_around(map.observations, fewer.last_observation,
                                             fewer.association_position(), 2.0 * map.config.merge_m);
-  return are_two(window, p_a, p_b, scans_showing(window, p_a, kAtPosition_m),
-                 scans_showing(window, p_b, kAtPosition_m));
+  return are_distinct(window, p_a, p_b, scans_showing(window, p_a, kAtPosition_m),
+                      scans_showing(window, p_b, kAtPosition_m));
 }
 
 }  // namespace orchard::mapping

@@ -18,6 +18,6 @@ namespace orchard::mapping {
 void split_landmarks(MapState& map, MapUpdate& update);
 
 /// Whether scans observe the two landmarks at the same time, so that they must not be merged.
-bool are_two_landmarks(const MapState& map, std::int32_t a, std::int32_t b);
+bool are_distinct_landmarks(const MapState& map, std::int32_t a, std::int32_t b);
 
 }  // namespace orchard::mapping

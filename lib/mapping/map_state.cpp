@@ -21,7 +21,7 @@ void add_to_record(LandmarkRecord& r, const detection::Detection& d, const Eigen
                    const MapperConfig& config) {
   fuse_association_position(r, p_aligned,
                             std::max(kAssociationVarianceMin_m2, aligned_variance_m2));
-  fuse_width(r, d, config.fewest_beams);
+  fuse_width(r, d, config.min_beams);
   accumulate(r, p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
   ++r.num_all;
 }
@@ -107,8 +107,8 @@ Landmark MapState::report(std::int32_t index, const PositionMode& mode) const {
   return l;
 }
 
-ColdArray<std::int32_t> MapState::landmark_of_observation() const {
-  ColdArray<std::int32_t> landmark_of(observations.memory());
+ChunkedArray<std::int32_t> MapState::landmark_of_observation() const {
+  ChunkedArray<std::int32_t> landmark_of(observations.memory());
   for (std::int32_t k = 0; k < observations.num_observations(); ++k) landmark_of.push_back(-1);
   for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
     if (landmarks[i].is_removed) continue;

@@ -22,7 +22,7 @@ inline constexpr std::size_t kPositionSamplesMax = 512;
 
 /// The map under construction: landmarks (id = index + 1), all observations, cached positions.
 struct MapState {
-  MapState(const MapperConfig& mapper_config, std::shared_ptr<ChunkMemory> memory)
+  MapState(const MapperConfig& mapper_config, std::shared_ptr<ChunkAllocator> memory)
       : config(mapper_config), observations(std::move(memory)) {}
 
   /// Adds a candidate of the last scan to a landmark.
@@ -46,7 +46,7 @@ struct MapState {
   Landmark report(std::int32_t index, const PositionMode& mode) const;
 
   /// Landmark index of each observation; -1 for unassociated ones.
-  ColdArray<std::int32_t> landmark_of_observation() const;
+  ChunkedArray<std::int32_t> landmark_of_observation() const;
 
   /// Observations of a landmark, newest first; empty for a removed one.
   std::vector<std::int32_t> observations_of(std::int32_t index) const;

@@ -11,9 +11,9 @@
 #include "mapping/association.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
+#include "mapping/existence/ground_occupancy.hpp"
 #include "mapping/existence/leg_pairs.hpp"
-#include "mapping/existence/seen_ground.hpp"
-#include "mapping/existence/whole_drive.hpp"
+#include "mapping/existence/spurious_landmarks.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
@@ -30,16 +30,16 @@ constexpr int kScatterObservationsMin = 10;
 void merge_changed(MapState& map, MapUpdate& update) {
   std::vector<std::int32_t>& ids = update.changed_ids;
   const LandmarkTable& landmarks = map.landmarks;
-  const auto are_two = [&map](std::int32_t a, std::int32_t b) {
-    return are_two_landmarks(map, a, b);
+  const auto are_distinct = [&map](std::int32_t a, std::int32_t b) {
+    return are_distinct_landmarks(map, a, b);
   };
   std::sort(ids.begin(), ids.end());
   for (std::size_t k = 0; k < ids.size(); ++k) {  // appends, to examine merged landmarks again
     const std::int32_t index = ids[k] - 1;
     if (landmarks[index].is_removed) continue;
-    std::int32_t other = merge_partner(landmarks, index, map.config, are_two);
+    std::int32_t other = merge_partner(landmarks, index, map.config, are_distinct);
     const bool is_clump = other < 0;
-    if (is_clump) other = touching_object(landmarks, index, map.config);
+    if (is_clump) other = touching_clump(landmarks, index, map.config);
     if (other < 0) continue;
     map.merge(std::min(index, other), std::max(index, other));
     if (is_clump) {
@@ -70,10 +70,10 @@ bool is_seen_often(const MapState& map, const LandmarkRecord& r, int min_observa
   return num_judged >= min_observations;
 }
 
-/// Creates a SeenGround that refers to `scans`, which must outlive it.
-std::shared_ptr<SeenGround> seen_ground_of(const ObservationStore& scans) {
-  auto ground =
-      std::make_shared<SeenGround>([&scans](std::int32_t scan) { return scans.free_space(scan); });
+/// Creates a GroundOccupancy that refers to `scans`, which must outlive it.
+std::shared_ptr<GroundOccupancy> ground_occupancy_of(const ObservationStore& scans) {
+  auto ground = std::make_shared<GroundOccupancy>(
+      [&scans](std::int32_t scan) { return scans.free_space(scan); });
   for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
     ground->add_scan(scan, scans.pose(scan));
   }
@@ -84,7 +84,7 @@ std::shared_ptr<SeenGround> seen_ground_of(const ObservationStore& scans) {
 
 struct Mapper::Impl {
   Impl(const MapperConfig& config, const Eigen::Vector2d& laser,
-       const std::shared_ptr<ChunkMemory>& chunks)
+       const std::shared_ptr<ChunkAllocator>& chunks)
       : p_base_laser(laser),
         memory(chunks),
         existence(config.existence, laser),
@@ -97,15 +97,16 @@ struct Mapper::Impl {
                    std::vector<std::size_t>* stored = nullptr);
 
   Eigen::Vector2d p_base_laser;
-  std::shared_ptr<ChunkMemory> memory;
+  std::shared_ptr<ChunkAllocator> memory;
   ExistenceFilter existence;
   MapState map;
 };
 
 Mapper::Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser,
-               std::shared_ptr<ChunkMemory> memory)
-    : impl_(std::make_unique<Impl>(config, p_base_laser,
-                                   memory ? std::move(memory) : std::make_shared<HeapMemory>())) {}
+               std::shared_ptr<ChunkAllocator> memory)
+    : impl_(std::make_unique<Impl>(
+          config, p_base_laser,
+          memory ? std::move(memory) : std::make_shared<HeapChunkAllocator>())) {}
 Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
@@ -173,10 +174,10 @@ MapUpdate Mapper::update(const detection::Detections& detections,
 MapUpdate Mapper::rebuild(
     const std::function<pose::PoseEstimate(const pose::PoseEstimate&)>& corrected) {
   const MapState& was = impl_->map;
-  const ColdArray<std::int32_t> landmark_then = was.landmark_of_observation();
+  const ChunkedArray<std::int32_t> landmark_then = was.landmark_of_observation();
   Impl now(was.config, impl_->p_base_laser, impl_->memory);
   // The observations of a scan are contiguous before and after, but in a different order.
-  ColdArray<std::int32_t> then_of(
+  ChunkedArray<std::int32_t> then_of(
       impl_->memory);  // per new observation: index of its landmark in `was`
   for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {
     const std::int32_t first = was.observations.first_of(scan);
@@ -211,27 +212,27 @@ MapUpdate Mapper::rebuild(
 }
 
 std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
-  const auto ground = seen_ground_of(impl_->map.observations);
+  const auto ground = ground_occupancy_of(impl_->map.observations);
   return [ground](const Eigen::Vector2d& p_map) { return ground->is_free(p_map); };
 }
 
 std::function<bool(const Eigen::Vector2d&)> Mapper::seen_blocked() const {
-  const auto ground = seen_ground_of(impl_->map.observations);
+  const auto ground = ground_occupancy_of(impl_->map.observations);
   return [ground](const Eigen::Vector2d& p_map) { return ground->is_blocked(p_map); };
 }
 
-std::vector<std::int32_t> Mapper::stray_ids() const {
+std::vector<std::int32_t> Mapper::spurious_ids() const {
   const MapState& map = impl_->map;
   if (!map.config.existence.enabled) return {};
-  std::vector<std::int32_t> ids = stray_landmarks(map, *seen_ground_of(map.observations));
+  std::vector<std::int32_t> ids = spurious_landmarks(map, *ground_occupancy_of(map.observations));
   for (std::int32_t& id : ids) ++id;
   return ids;
 }
 
 std::vector<std::int32_t> Mapper::leg_ids(const std::vector<Landmark>& landmarks,
-                                          bool camera_tells) const {
+                                          bool trusts_camera) const {
   const MapState& map = impl_->map;
-  return map.config.existence.enabled ? leg_pairs(map, landmarks, camera_tells)
+  return map.config.existence.enabled ? leg_pairs(map, landmarks, trusts_camera)
                                       : std::vector<std::int32_t>{};
 }
 
@@ -284,7 +285,7 @@ std::optional<double> Mapper::tree_scatter_m() const {
   return geometry::median(std::move(medians_m));
 }
 
-SplitVotes Mapper::votes() const { return split_votes(impl_->map); }
+LabelConflicts Mapper::label_conflicts() const { return count_label_conflicts(impl_->map); }
 
 void Mapper::persist(StateArchive& archive) {
   MapState& map = impl_->map;

@@ -9,11 +9,11 @@
 
 #include "detection/detection.hpp"
 #include "mapping/existence/free_space.hpp"
+#include "mapping/label_conflicts.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
-#include "mapping/split_votes.hpp"
-#include "mapping/store/chunk_memory.hpp"
+#include "mapping/store/chunk_allocator.hpp"
 #include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -38,7 +38,7 @@ class Mapper {
   /// `p_base_laser`: laser position in base, used by the existence filter. `memory` stores the
   /// observations; the heap if null.
   explicit Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser = {0.0, 0.0},
-                  std::shared_ptr<ChunkMemory> memory = nullptr);
+                  std::shared_ptr<ChunkAllocator> memory = nullptr);
   ~Mapper();
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
@@ -64,12 +64,12 @@ class Mapper {
   /// validity as seen_free().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_blocked() const;
 
-  /// Ids of landmarks that never existed, judged by all scans (existence/whole_drive.hpp).
-  std::vector<std::int32_t> stray_ids() const;
+  /// Ids of landmarks that never existed, judged by all scans (existence/spurious_landmarks.hpp).
+  std::vector<std::int32_t> spurious_ids() const;
 
   /// Ids of those `landmarks` (of this map) that are legs of people (existence/leg_pairs.hpp).
   std::vector<std::int32_t> leg_ids(const std::vector<Landmark>& landmarks,
-                                    bool camera_tells) const;
+                                    bool trusts_camera) const;
 
   /// Number of observations that rebuild() would process.
   std::size_t num_observations() const;
@@ -91,7 +91,7 @@ class Mapper {
   std::optional<double> tree_scatter_m() const;
 
   /// Number of landmarks whose observations disagree on the class.
-  SplitVotes votes() const;
+  LabelConflicts label_conflicts() const;
 
   /// All landmarks with at least `min_observations` observations judged by camera or laser, in
   /// order of id, with positions from all current observations.

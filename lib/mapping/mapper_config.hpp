@@ -38,12 +38,12 @@ struct MapperConfig {
   int min_observations = 1;  ///< landmarks with fewer are left out of map files
   /// Not a key of its own: detector.segmentation.min_beams. Objects hit by fewer beams are not
   /// detected.
-  int fewest_beams = 1;
+  int min_beams = 1;
   /// Not a key of its own: detector.segmentation.width_max_m. Wider objects are not reported whole.
-  double widest_m = 2.0;
+  double object_width_max_m = 2.0;
   /// Not a key of its own: true if detector.segmentation.reflector is `only`, so that TREE means a
   /// reflector was seen.
-  bool flash_tells = false;
+  bool reflector_marks_tree = false;
   ExistenceConfig existence;
   AlbumConfig album;
   RowsConfig rows;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/store/cold_array.hpp"
+#include "mapping/store/chunked_array.hpp"
 #include "pose/pose_estimate.hpp"
 #include "pose/trajectory.hpp"
 
@@ -20,9 +20,9 @@ namespace orchard::mapping {
 class PoseTrack {
  public:
   /// `memory` stores the poses; the heap if null.
-  explicit PoseTrack(double gap_max_s, std::shared_ptr<ChunkMemory> memory = nullptr)
+  explicit PoseTrack(double gap_max_s, std::shared_ptr<ChunkAllocator> memory = nullptr)
       : gap_max_us_(static_cast<std::int64_t>(gap_max_s * 1e6)),
-        poses_(memory ? std::move(memory) : std::make_shared<HeapMemory>()) {}
+        poses_(memory ? std::move(memory) : std::make_shared<HeapChunkAllocator>()) {}
 
   /// Adds a pose; ignored if a pose of the same time exists.
   void add(const pose::PoseEstimate& pose);
@@ -53,7 +53,7 @@ class PoseTrack {
   std::size_t first_from(std::int64_t utime) const;
 
   std::int64_t gap_max_us_;
-  ColdArray<pose::PoseEstimate> poses_;  ///< in order of utime
+  ChunkedArray<pose::PoseEstimate> poses_;  ///< in order of utime
 };
 
 }  // namespace orchard::mapping

@@ -28,7 +28,7 @@ class Localiser {
 
   /// Returns, once, the poses from the time before the pose became known, in order of time. All are
   /// earlier than estimate().
-  virtual std::vector<PoseEstimate> take_past() { return {}; }
+  virtual std::vector<PoseEstimate> take_past_poses() { return {}; }
 
   /// Returns the corrected trajectory if the past was corrected since the last call, else none.
   virtual std::optional<Trajectory> take_correction() { return std::nullopt; }
@@ -40,7 +40,7 @@ class Localiser {
   virtual std::string warning() const { return {}; }
 
   /// Returns named statistics of the drive so far, for the evaluation afterwards.
-  virtual std::vector<std::pair<std::string, std::int64_t>> account() const { return {}; }
+  virtual std::vector<std::pair<std::string, std::int64_t>> statistics() const { return {}; }
 };
 
 }  // namespace orchard::pose

@@ -24,10 +24,10 @@ double gnss_wait_s(const PoseConfig& config) {
 
 }  // namespace
 
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier,
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const PriorMapData& earlier,
                                           const laser::LaserConfig& laser,
                                           const laser::BlindSector& blind,
-                                          std::shared_ptr<ChunkMemory> memory) {
+                                          std::shared_ptr<ChunkAllocator> memory) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();

@@ -6,7 +6,7 @@
 
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
-#include "pose/graph/chunk_memory.hpp"
+#include "pose/graph/chunk_allocator.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurement.hpp"
 #include "pose/pose_config.hpp"
@@ -19,10 +19,11 @@ namespace orchard::pose {
 /// that use scans need the laser's extrinsics and the blind sector, in which it sees the robot
 /// itself. `memory` stores old observations of a long drive (null: the heap) and does not affect
 /// the results.
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier = {},
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
+                                          const PriorMapData& earlier = {},
                                           const laser::LaserConfig& laser = {},
                                           const laser::BlindSector& blind = {},
-                                          std::shared_ptr<ChunkMemory> memory = nullptr);
+                                          std::shared_ptr<ChunkAllocator> memory = nullptr);
 
 /// Returns which kinds of measurement the localiser uses, and how long to wait for each.
 MeasurementWaits expected_measurements(const PoseConfig& config);

@@ -18,7 +18,7 @@
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/sensor/motion_sensors.hpp"
 #include "simulation/sensor/satellite_receiver.hpp"
-#include "simulation/sensor/wheel_memory.hpp"
+#include "simulation/sensor/wheel_error_model.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {
@@ -91,7 +91,7 @@ class Simulator {
   SatelliteReceiver receiver_;
   InertialUnit inertial_unit_;
   OdometryErrors odometry_errors_;
-  WheelMemory wheel_memory_;
+  WheelErrorModel wheel_memory_;
   std::array<Clock, kNumSensors> clocks_{};
 };
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "text/number_text.hpp"
+#include "view/detections_json.hpp"
 #include "view/line_thinning.hpp"
-#include "view/look_json.hpp"
 #include "view/map_data.hpp"
 
 namespace orchard::view {
@@ -151,7 +151,7 @@ std::optional<geometry::Pose2> DriveRecord::pose_at(std::size_t step) const {
   return geometry::Pose2{p->x_m, p->y_m, p->yaw_rad};
 }
 
-std::string DriveRecord::news_json(DriveSeen& seen) const {
+std::string DriveRecord::news_json(DriveProgress& seen) const {
   const std::size_t total = num_steps();
   const std::size_t from = std::min(seen.steps, total), to = std::min(total, from + kStepsOfNews);
   std::string t, x, y, yaw, covariance;

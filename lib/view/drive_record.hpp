@@ -17,7 +17,7 @@
 namespace orchard::view {
 
 /// How much of a drive has been sent to a page: numbers of steps, map changes and paths.
-struct DriveSeen {
+struct DriveProgress {
   std::size_t steps = 0, changes = 0, paths = 0;
 };
 
@@ -51,7 +51,7 @@ class DriveRecord {
   /// after the first step), "x", "y", "yaw", "covariance" (xx, xy, yy of each); "changes": {"step",
   /// "removed", "landmarks": columns}; "paths": [{"step", "points"}], the path up to that step as
   /// estimated from then on; "num_steps", "is_done", "is_more".
-  std::string news_json(DriveSeen& seen) const;
+  std::string news_json(DriveProgress& seen) const;
 
  private:
   struct Pose {

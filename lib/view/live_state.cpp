@@ -80,7 +80,7 @@ void LiveState::take_status(std::string event) {
   ++num_status_;
 }
 
-std::vector<std::string> LiveState::events_for(Seen& seen, bool& is_more) const {
+std::vector<std::string> LiveState::events_for(ViewerProgress& seen, bool& is_more) const {
   std::vector<std::string> events;
   const auto is_new = [](std::int64_t& was, std::int64_t now) {
     const bool differs = was != now;
@@ -116,7 +116,8 @@ std::vector<std::string> LiveState::events_for(Seen& seen, bool& is_more) const 
   if (is_new(seen.scan, num_scans_)) events.push_back(scan_event_);
   if (is_new(seen.observation, num_observations_)) {
     events.push_back("{\"kind\":\"look\"," +
-                     look_json(detections_, rig_, "n=" + std::to_string(num_observations_)) + "}");
+                     detections_json(detections_, rig_, "n=" + std::to_string(num_observations_)) +
+                     "}");
   }
   return events;
 }

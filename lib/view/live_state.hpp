@@ -11,15 +11,15 @@
 #include "detection/detection.hpp"
 #include "detection/rig.hpp"
 #include "laser/scan.hpp"
+#include "view/detections_json.hpp"
 #include "view/live_map.hpp"
 #include "view/live_path.hpp"
-#include "view/look_json.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::view {
 
 /// What has already been sent to a viewer.
-struct Seen {
+struct ViewerProgress {
   std::int64_t map = 0, path_generation = -1, pose = 0, scan = 0, observation = 0, rows = 0,
                status = 0;
   std::int64_t corrections = 0;
@@ -30,8 +30,8 @@ struct Seen {
 ///
 /// Events are JSON objects with a "kind": "map" {"landmarks" in columns, "removed"}, "path"
 /// {"is_new", "points" [x, y, ...]}, "pose" {"utime", "x", "y", "yaw", "covariance" xx xy yy},
-/// "scan" {"points" [x, y, ...]}, "look" (see look_json()), "rows" {"rows", "ways"}, "status",
-/// "corrections". Map frame, metres.
+/// "scan" {"points" [x, y, ...]}, "look" (see detections_json()), "rows" {"rows", "ways"},
+/// "status", "corrections". Map frame, metres.
 class LiveState {
  public:
   /// Max number of landmarks in one event.
@@ -63,7 +63,7 @@ class LiveState {
 
   /// Returns the events that are new to a viewer, at most one of each kind, and updates `seen`.
   /// `is_more`: further landmarks remain to be sent.
-  std::vector<std::string> events_for(Seen& seen, bool& is_more) const;
+  std::vector<std::string> events_for(ViewerProgress& seen, bool& is_more) const;
 
   /// Image of the last "look" event; null if there is none.
   std::shared_ptr<const ShownPicture> picture() const { return shown_; }

@@ -43,8 +43,8 @@ std::string line_json(const std::vector<Eigen::Vector2d>& line) {
 
 std::string row_json(const mapping::Row& row) {
   std::vector<Eigen::Vector2d> line;
-  std::vector<const mapping::RowPlace*> gaps;
-  for (const mapping::RowPlace& place : row.places) {
+  std::vector<const mapping::RowSlot*> gaps;
+  for (const mapping::RowSlot& place : row.places) {
     if (place.landmark_id != 0) {
       line.push_back(place.p_map);
     } else {
@@ -55,7 +55,7 @@ std::string row_json(const mapping::Row& row) {
          ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(line) +
          ",\"gaps\":" +
          array_json(gaps,
-                    [](const mapping::RowPlace* gap) {
+                    [](const mapping::RowSlot* gap) {
                       return "[" + std::to_string(gap->position) + "," +
                              fixed_text(gap->p_map.x(), 3) + "," + fixed_text(gap->p_map.y(), 3) +
                              "]";
@@ -64,7 +64,7 @@ std::string row_json(const mapping::Row& row) {
 }
 
 std::string way_json(const mapping::NavigationEdge& way) {
-  const char* kind = way.kind == mapping::WayKind::kAlley ? "alley" : "headland";
+  const char* kind = way.kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
   return std::string("{\"kind\":\"") + kind + "\",\"width\":" + fixed_text(way.width_m, 3) +
          ",\"line\":" + line_json(way.line_map) + "}";
 }

@@ -36,7 +36,7 @@ DetectorNode::DetectorNode(const io::Config& config)
     joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
   }
   if (!adaptation_) {
-    foresight_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
+    precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
   }
 }
 
@@ -58,7 +58,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
       return send_result(detect_alone(*scan, rig_), detection::turn_us(*scan), send);
     }
     findings_.push_back({std::nullopt, width_model_});
-    if (!foreseen_) findings_.back().laser = detection::find_by_laser(*scan, rig_);
+    if (!precomputed_) findings_.back().laser = detection::find_by_laser(*scan, rig_);
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
@@ -100,23 +100,23 @@ std::string DetectorNode::waiting_for() const {
 }
 
 std::string DetectorNode::warning() const {
-  const std::string text = ended_ ? monitor_.whole_run() : monitor_.warning();
+  const std::string text = ended_ ? monitor_.run_summary() : monitor_.warning();
   const std::string inputs = health_.text(ended_, pairer_.num_without_motion());
   return text + (text.empty() || inputs.empty() ? "" : "; ") + inputs;
 }
 
-std::unique_ptr<bus::Foreseen> DetectorNode::foresee(const bus::Message& input) {
-  return foresight_ ? foresight_->foresee(input) : nullptr;
+std::unique_ptr<bus::Precomputation> DetectorNode::precompute(const bus::Message& input) {
+  return precomputer_ ? precomputer_->precompute(input) : nullptr;
 }
 
-void DetectorNode::expect(std::unique_ptr<bus::Foreseen> foreseen) {
-  foreseen_.reset(dynamic_cast<ForeseenDetections*>(foreseen.release()));
-  num_foreseen_used_ = 0;
+void DetectorNode::use_precomputed(std::unique_ptr<bus::Precomputation> precomputed) {
+  precomputed_.reset(dynamic_cast<PrecomputedDetections*>(precomputed.release()));
+  num_precomputed_used_ = 0;
 }
 
 detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
                                                    const detection::Rig& rig) {
-  if (foreseen_ && foreseen_->alone) return std::move(*foreseen_->alone);
+  if (precomputed_ && precomputed_->alone) return std::move(*precomputed_->alone);
   return detection::detect(scan, nullptr, rig);
 }
 
@@ -125,9 +125,9 @@ JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
   findings_.pop_front();
   std::optional<double> edge_reach_px;
   if (pair.image && monitor_.is_due(pair.scan.utime)) edge_reach_px = edge_reach_px_;
-  if (foreseen_ && num_foreseen_used_ < foreseen_->pairs.size()) {
-    ForeseenDetections::Pair& foreseen = foreseen_->pairs[num_foreseen_used_++];
-    if (foreseen.is_of(pair, edge_reach_px)) return std::move(foreseen.judged);
+  if (precomputed_ && num_precomputed_used_ < precomputed_->pairs.size()) {
+    PrecomputedDetections::Pair& precomputed = precomputed_->pairs[num_precomputed_used_++];
+    if (precomputed.is_of(pair, edge_reach_px)) return std::move(precomputed.judged);
   }
   // Earlier scans may have changed the width model after this scan arrived: find again with the
   // current one.
@@ -146,7 +146,7 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   }
   if (judged.edge_offsets_px) monitor_.add(pair.scan.utime, *judged.edge_offsets_px);
   detection::DetectResult& result = judged.result;
-  if (result.image_needed) health_.note_looked_at(*pair.image, !result.image_unusable);
+  if (result.image_needed) health_.note_needed_picture(*pair.image, !result.image_unusable);
   const std::int64_t utime = result.detections.utime;
   const auto observations = std::move(result.observations);
   send_result(std::move(result), detection::turn_us(pair.scan), send);
@@ -162,7 +162,7 @@ void DetectorNode::adapt(std::int64_t utime,
   const detection::AdaptedModel& model = adaptation_->model();
   if (rig_.detector.width.mean_m != model.width_mean_m) ++width_model_;
   rig_.detector.width.mean_m = model.width_mean_m;
-  rig_.light_gains = detection::undoing(model.light);
+  rig_.light_gains = detection::light_correction_gains(model.light);
   for (const auto& step : steps) send(step);
 }
 

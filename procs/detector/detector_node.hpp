@@ -12,7 +12,7 @@
 #include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
-#include "detector/foresight.hpp"
+#include "detector/detection_precomputer.hpp"
 #include "detector/input_health.hpp"
 #include "detector/judged_pair.hpp"
 #include "io/config/config.hpp"
@@ -37,14 +37,14 @@ namespace orchard::procs {
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
-  DetectorNode(const DetectorNode&) = delete;  // foresight_ refers to its rigs
+  DetectorNode(const DetectorNode&) = delete;  // precomputer_ refers to its rigs
   DetectorNode& operator=(const DetectorNode&) = delete;
 
   std::string_view name() const override { return "detector"; }
   std::vector<bus::Channel> inputs() const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
-  std::unique_ptr<bus::Foreseen> foresee(const bus::Message& input) override;
-  void expect(std::unique_ptr<bus::Foreseen> foreseen) override;
+  std::unique_ptr<bus::Precomputation> precompute(const bus::Message& input) override;
+  void use_precomputed(std::unique_ptr<bus::Precomputation> precomputed) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
@@ -70,9 +70,9 @@ class DetectorNode : public bus::Node {
   std::optional<detection::RearJoiner> joiner_;
   detection::ScanImagePairer pairer_;
   std::deque<Findings> findings_;  ///< one per scan in pairer_, in the same order
-  std::optional<Foresight> foresight_;
-  std::unique_ptr<ForeseenDetections> foreseen_;  ///< for the input being handled
-  std::size_t num_foreseen_used_ = 0;             ///< pairs of foreseen_ used so far
+  std::optional<DetectionPrecomputer> precomputer_;
+  std::unique_ptr<PrecomputedDetections> precomputed_;  ///< for the input being handled
+  std::size_t num_precomputed_used_ = 0;                ///< pairs of precomputed_ used so far
   std::optional<detection::Adaptation> adaptation_;
   std::int64_t width_model_ = 0;  ///< version of the width model
   std::int32_t next_seq_ = 0;

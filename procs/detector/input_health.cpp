@@ -53,7 +53,7 @@ void InputHealth::note_picture(bool without_motion) {
   last_without_motion_ = without_motion;
 }
 
-void InputHealth::note_looked_at(const vision::Image& image, bool is_usable) {
+void InputHealth::note_needed_picture(const vision::Image& image, bool is_usable) {
   if (is_usable) {
     ++num_usable_;
     num_since_usable_ = 0;

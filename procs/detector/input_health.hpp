@@ -26,7 +26,7 @@ class InputHealth {
   /// was available.
   void note_picture(bool without_motion);
   /// Notes whether a picture that was needed was usable.
-  void note_looked_at(const vision::Image& image, bool is_usable);
+  void note_needed_picture(const vision::Image& image, bool is_usable);
 
   /// The current faults; with `ended` those of the whole run. `num_without_motion`: pictures used
   /// without motion so far.

@@ -15,7 +15,7 @@ JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanIm
   if (picture && edge_reach_px) {
     judged.edge_offsets_px.emplace();
     for (const auto& seen :
-         detection::look_for_edges(findings, *picture, rig, pair.motion, *edge_reach_px)) {
+         detection::find_candidate_edges(findings, *picture, rig, pair.motion, *edge_reach_px)) {
       judged.edge_offsets_px->push_back(seen.offsets.front().middle_px());
     }
   }

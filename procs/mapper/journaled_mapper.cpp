@@ -43,32 +43,32 @@ bool frame_is_given(const pose::PoseConfig& config) {
 }  // namespace
 
 JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_hash,
-                                 io::MapPlace& place, int snapshot_period)
+                                 io::MapFolderLock& place, int snapshot_period)
     : config_(config),
       config_hash_(config_hash),
       place_(place),
       snapshot_period_(snapshot_period),
-      memory_(std::make_shared<io::FileMemory>(place.folder(), kChunksName)),
+      memory_(std::make_shared<io::FileChunkAllocator>(place.folder(), kChunksName)),
       mapper_(std::make_unique<MapperNode>(config, memory_)) {
-  const std::string why_not = go_on();
+  const std::string why_not = resume();
   if (!why_not.empty()) begin_new_map(why_not);
 }
 
 /// Resumes the map in the folder. Returns "" or the reason why it cannot.
-std::string JournaledMapper::go_on() {
+std::string JournaledMapper::resume() {
   using State = io::SnapshotReading::State;
   const io::SnapshotReading reading = io::read_snapshot(place_.file(kSnapshotName), config_hash_);
   if (reading.state == State::kOtherMaker) return kOtherConfiguration;
   if (reading.state == State::kDamaged) return "its snapshot is damaged or of another program";
   const bool has_snapshot = reading.state == State::kWhole;
   if (has_snapshot) {
-    const std::string why_not = go_on_from(reading.snapshot);
+    const std::string why_not = resume_from_snapshot(reading.snapshot);
     if (!why_not.empty()) return why_not;
   }
-  return go_on_with_journal(has_snapshot, reading.snapshot.journal_bytes);
+  return resume_from_journal(has_snapshot, reading.snapshot.journal_bytes);
 }
 
-std::string JournaledMapper::go_on_from(const io::Snapshot& snapshot) {
+std::string JournaledMapper::resume_from_snapshot(const io::Snapshot& snapshot) {
   if (!memory_->restore(snapshot.chunks)) return std::string(kChunksName) + " is damaged";
   try {
     mapping::StateArchive archive(snapshot.state);
@@ -85,7 +85,7 @@ std::string JournaledMapper::go_on_from(const io::Snapshot& snapshot) {
 /// The snapshot covers the first `covered_bytes` of the journal with its number. If the process
 /// ended right after a snapshot, the journal of the next number is missing or has only its first
 /// records.
-std::string JournaledMapper::go_on_with_journal(bool has_snapshot, std::uint64_t covered_bytes) {
+std::string JournaledMapper::resume_from_journal(bool has_snapshot, std::uint64_t covered_bytes) {
   using State = io::JournalReading::State;
   const std::string path = place_.file(kJournalName);
   io::JournalReading reading = io::read_journal(path, journal_identity(), {}, covered_bytes);
@@ -167,7 +167,7 @@ void JournaledMapper::begin_new_map(const std::string& why) {
     if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
   }
   mapper_.reset();
-  memory_ = std::make_shared<io::FileMemory>(place_.folder(), kChunksName);
+  memory_ = std::make_shared<io::FileChunkAllocator>(place_.folder(), kChunksName);
   mapper_ = std::make_unique<MapperNode>(config_, memory_);
   num_replayed_.fill(0);
   num_taken_.fill(0);
@@ -235,7 +235,7 @@ void JournaledMapper::commit() {
                     place_.file(kJournalName), kReserved_bytes >> 20));
   }
   journal_->commit();
-  if (is_snapshot_due()) keep_snapshot();
+  if (is_snapshot_due()) save_snapshot();
 }
 
 /// Snapshots are due after a flush, after a rebuild of the map, and every snapshot_period_ inputs.
@@ -246,15 +246,15 @@ bool JournaledMapper::is_snapshot_due() const {
 }
 
 /// Writes a snapshot. On failure the journal still has everything and grows on.
-void JournaledMapper::keep_snapshot() {
+void JournaledMapper::save_snapshot() {
   num_since_snapshot_ = 0;
   num_rebuilt_ = mapper_->num_rebuilt();
   try {
-    memory_->begin_keeping();
+    memory_->begin_persisting();
     mapping::StateArchive archive;
     persist(archive);
     io::Snapshot snapshot;
-    snapshot.chunks = memory_->write_kept();
+    snapshot.chunks = memory_->sync_persistent();
     snapshot.journal_number = journal_number_;
     snapshot.journal_bytes = journal_->num_bytes();
     snapshot.state = archive.bytes();

@@ -12,9 +12,9 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
-#include "io/file_memory.hpp"
+#include "io/file_chunk_allocator.hpp"
 #include "io/journal.hpp"
-#include "io/map/map_place.hpp"
+#include "io/map/map_folder_lock.hpp"
 #include "io/snapshot.hpp"
 #include "mapper/mapper_node.hpp"
 
@@ -39,7 +39,7 @@ class JournaledMapper : public bus::Node {
   static constexpr int kSnapshotPeriod = 3000;
 
   /// Resumes the map in `place`, which must outlive this. Throws io::FileError.
-  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapPlace& place,
+  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapFolderLock& place,
                   int snapshot_period = kSnapshotPeriod);
 
   std::string_view name() const override { return mapper_->name(); }
@@ -71,11 +71,11 @@ class JournaledMapper : public bus::Node {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  std::string go_on();
-  std::string go_on_from(const io::Snapshot& snapshot);
-  std::string go_on_with_journal(bool has_snapshot, std::uint64_t covered_bytes);
+  std::string resume();
+  std::string resume_from_snapshot(const io::Snapshot& snapshot);
+  std::string resume_from_journal(bool has_snapshot, std::uint64_t covered_bytes);
   void replay(std::uint64_t from_bytes);
-  void keep_snapshot();
+  void save_snapshot();
   bool is_snapshot_due() const;
   void persist(mapping::StateArchive& archive);
   std::int64_t journal_identity() const;
@@ -85,9 +85,9 @@ class JournaledMapper : public bus::Node {
 
   io::Config config_;
   std::int64_t config_hash_;
-  io::MapPlace& place_;
+  io::MapFolderLock& place_;
   int snapshot_period_;
-  std::shared_ptr<io::FileMemory> memory_;
+  std::shared_ptr<io::FileChunkAllocator> memory_;
   std::unique_ptr<MapperNode> mapper_;
   std::unique_ptr<io::Journal> journal_;
   std::function<void(const MapperNode&)> before_new_map_;

@@ -10,9 +10,9 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "mapping/deskew.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/rows/rows.hpp"
-#include "mapping/sweep.hpp"
 #include "pose/filter/gnss_alignment.hpp"
 #include "timing/units.hpp"
 
@@ -58,16 +58,17 @@ std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
 
 mapping::MapperConfig with_detector(const io::Config& config) {
   mapping::MapperConfig mapper = config.mapper;
-  mapper.fewest_beams = config.detector.segmentation.min_beams;
-  mapper.widest_m = config.detector.segmentation.width_max_m;
-  mapper.flash_tells = config.detector.segmentation.reflector == laser::ReflectorUse::kOnly;
+  mapper.min_beams = config.detector.segmentation.min_beams;
+  mapper.object_width_max_m = config.detector.segmentation.width_max_m;
+  mapper.reflector_marks_tree =
+      config.detector.segmentation.reflector == laser::ReflectorUse::kOnly;
   return mapper;
 }
 
 }  // namespace
 
 MapperNode::MapperNode(const io::Config& config,
-                       const std::shared_ptr<mapping::ChunkMemory>& memory)
+                       const std::shared_ptr<mapping::ChunkAllocator>& memory)
     : config_(config.mapper),
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
@@ -80,7 +81,7 @@ MapperNode::MapperNode(const io::Config& config,
       degradation_(config.camera.enabled),
       beam_times_(config.laser.range_sd_m, config.mapper.deskew_pose_gap_max_s),
       has_camera_(config.camera.enabled),
-      widest_m_(config.detector.segmentation.width_max_m),
+      object_width_max_m_(config.detector.segmentation.width_max_m),
       has_reflectors_(config.detector.segmentation.reflector != laser::ReflectorUse::kIgnored) {}
 
 /// DETECTIONS wait for POSE and SCAN. GNSS and SCAN arrive independently of the other channels and
@@ -163,7 +164,7 @@ void MapperNode::add_gnss(const pose::Gnss& gnss) {
   }
 }
 
-bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
+bool MapperNode::deskews(const detection::Detections& detections) const {
   const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.deskew_pose_gap_max_s);
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
@@ -172,7 +173,7 @@ bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
 /// when the scans arrive.
 std::optional<std::size_t> MapperNode::blocker() const {
   const auto& next = std::get<detection::Detections>(queue_.front(kDetections));
-  const bool to_last = track_.covers(next.utime) && undoes_sweep(next);
+  const bool to_last = track_.covers(next.utime) && deskews(next);
   return queue_.blocker(next.utime, [&](std::size_t kind) {
     return kind == kPose && to_last ? mapping::last_utime_of(next) : next.utime;
   });
@@ -201,7 +202,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
   const auto detections = std::get<detection::Detections>(queue_.take(kDetections));
   // Apply a correction within the sweep first: it moves the poses before it, while later poses are
   // published corrected; the pose would seem to jump between them.
-  const bool undoes = undoes_sweep(detections);
+  const bool undoes = deskews(detections);
   correct_up_to(undoes ? mapping::last_utime_of(detections) : detections.utime, send);
   last_used_utime_ = detections.utime;
   const auto pose = track_.at(detections.utime);
@@ -212,7 +213,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
   beam_times_.note_pose(detections.utime, {pose->x_m, pose->y_m, pose->yaw_rad});
   auto free_space = free_space_of(detections, *pose);
   if (undoes) {
-    use(mapping::unswept(detections, track_, *pose), *pose, std::move(free_space), send);
+    use(mapping::deskewed(detections, track_, *pose), *pose, std::move(free_space), send);
   } else {
     use(detections, *pose, std::move(free_space), send);
   }
@@ -234,7 +235,7 @@ MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
 std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
     const detection::Detections& detections, const pose::PoseEstimate& T_map_base) {
   FreeSpacePtr free_space = take_free_space(detections.utime);
-  if (!free_space || !free_space->is_sweep() || !undoes_sweep(detections)) return free_space;
+  if (!free_space || !free_space->is_sweep() || !deskews(detections)) return free_space;
   const std::int64_t last_utime = mapping::last_utime_of(detections);
   const double time_s = timing::seconds(last_utime - detections.utime);
   const auto then = track_.at(last_utime);
@@ -336,19 +337,21 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
 
 /// A real reflector is detected in most observations of its landmark, other objects never.
 /// Otherwise the threshold lies within the reflectors' returns.
-const std::string& MapperNode::votes_text() const {
+const std::string& MapperNode::label_conflicts_text() const {
   const std::size_t num = mapper_.num_observations();
-  if (!has_reflectors_ || (!is_flushed_ && 8 * num < 9 * num_voted_)) return votes_text_;
+  if (!has_reflectors_ || (!is_flushed_ && 8 * num < 9 * num_voted_)) return label_conflicts_text_;
   num_voted_ = num;
-  const mapping::SplitVotes votes = mapper_.votes();
-  votes_text_.clear();
-  if (votes.num_split < 2 || 4 * votes.num_split < votes.num_told) return votes_text_;
-  votes_text_ = fmt::format(
+  const mapping::LabelConflicts conflicts = mapper_.label_conflicts();
+  label_conflicts_text_.clear();
+  if (conflicts.num_conflicting < 2 ||
+      4 * conflicts.num_conflicting < conflicts.num_with_tree_label)
+    return label_conflicts_text_;
+  label_conflicts_text_ = fmt::format(
       "{} of {} landmarks with a reflector show it in only some scans: look at the intensities "
       "with `orchard echo SCAN` and set detector.segmentation.reflectivity_min between those of "
       "bark and reflector",
-      votes.num_split, votes.num_told);
-  return votes_text_;
+      conflicts.num_conflicting, conflicts.num_with_tree_label);
+  return label_conflicts_text_;
 }
 
 std::string MapperNode::warning() const {
@@ -364,7 +367,7 @@ std::string MapperNode::warning() const {
     if (!text.empty()) warning += (warning.empty() ? "" : "; ") + text;
   };
   add(beam_times_.text());
-  add(votes_text());
+  add(label_conflicts_text());
   const auto place = fixes_.empty() ? std::nullopt : georeference();
   if (place && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
     add(

@@ -47,7 +47,7 @@ class MapperNode : public bus::Node {
  public:
   /// `memory` stores the data of a long drive; none: the heap. It changes no output.
   explicit MapperNode(const io::Config& config,
-                      const std::shared_ptr<mapping::ChunkMemory>& memory = nullptr);
+                      const std::shared_ptr<mapping::ChunkAllocator>& memory = nullptr);
 
   std::string_view name() const override { return "mapper"; }
   std::vector<bus::Channel> inputs() const override;
@@ -101,10 +101,10 @@ class MapperNode : public bus::Node {
   std::vector<mapping::Landmark> standing_landmarks() const;
   std::size_t drop_legs(std::vector<mapping::Landmark>& landmarks) const;
   void join_long(std::vector<mapping::Landmark>& landmarks) const;
-  const std::string& votes_text() const;
+  const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
-  bool undoes_sweep(const detection::Detections& detections) const;
+  bool deskews(const detection::Detections& detections) const;
   std::optional<std::size_t> blocker() const;
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
@@ -140,11 +140,11 @@ class MapperNode : public bus::Node {
   Degradation degradation_;
   BeamTimes beam_times_;
   bool has_camera_;
-  double widest_m_;  ///< max object width reported by the detector
+  double object_width_max_m_;  ///< max object width reported by the detector
   bool has_reflectors_;
   /// Warning about inconsistent reflector detections. Counting them takes time proportional to the
   /// drive, so it is repeated only after growth by an eighth.
-  mutable std::string votes_text_;
+  mutable std::string label_conflicts_text_;
   mutable std::size_t num_voted_ = 0;
   std::int32_t last_id_ = 0;  ///< highest landmark id so far
   bool is_flushed_ = false;

@@ -25,7 +25,7 @@ void MapperNode::photograph(const detection::Detections& detections,
   // Use past poses only: the later poses available here depend on the order of arrival.
   detection::Motion motion;
   const auto before = track_.at(detections.utime - kMotion_us);
-  if (before && undoes_sweep(detections)) {
+  if (before && deskews(detections)) {
     const geometry::Pose2 way =
         between(geometry::Pose2{before->x_m, before->y_m, before->yaw_rad},
                 geometry::Pose2{T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad});

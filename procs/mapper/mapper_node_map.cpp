@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "mapper/mapper_node.hpp"
-#include "mapping/extent/long_things.hpp"
-#include "mapping/extent/sharp_stems.hpp"
+#include "mapping/extent/long_objects.hpp"
+#include "mapping/extent/stem_scatter.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::procs {
@@ -26,19 +26,19 @@ std::size_t drop(const std::vector<std::int32_t>& ids, std::vector<mapping::Land
 /// Joins long objects. Trees of rows, stems as sharp as theirs, and trees classified with a camera
 /// stay separate landmarks; without a camera, parts of a hedge may be classified as trunks.
 void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
-  const mapping::SharpStems stems(landmarks);
-  const auto stands_alone = [&](const mapping::Landmark& l) {
+  const mapping::StemScatterTest stems(landmarks);
+  const auto is_separate = [&](const mapping::Landmark& l) {
     const bool seen_as_tree = has_camera_ && l.label == detection::Label::kTree;
     return l.row > 0 || seen_as_tree || stems.contains(l);
   };
-  landmarks = mapping::join_long_things(std::move(landmarks), widest_m_, mapper_.seen_blocked(),
-                                        mapper_.seen_free(), stands_alone);
+  landmarks = mapping::join_long_objects(std::move(landmarks), object_width_max_m_,
+                                         mapper_.seen_blocked(), mapper_.seen_free(), is_separate);
 }
 
 /// Landmarks with enough observations that exist by the evidence of all scans of the drive.
 std::vector<mapping::Landmark> MapperNode::standing_landmarks() const {
   std::vector<mapping::Landmark> all = landmarks();
-  drop(mapper_.stray_ids(), all);
+  drop(mapper_.spurious_ids(), all);
   return all;
 }
 

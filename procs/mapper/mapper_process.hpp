@@ -7,7 +7,7 @@
 
 #include "bus/node/process.hpp"
 #include "io/config/config.hpp"
-#include "io/map/map_place.hpp"
+#include "io/map/map_folder_lock.hpp"
 #include "mapper/map_saver.hpp"
 
 namespace orchard::procs {
@@ -24,7 +24,7 @@ class MapperProcess {
   void save(bus::Node& node, const bus::SaveRequest& request);
 
  private:
-  std::optional<io::MapPlace> place_;
+  std::optional<io::MapFolderLock> place_;
   std::optional<MapSaver> saver_;
 };
 

@@ -45,13 +45,13 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 
 }  // namespace
 
-PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkMemory> memory)
+PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocator> memory)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(rules_of(waits_s_)),
       make_localiser_([config, memory = std::move(memory),
                        prior_map = config.pose.mode == pose::PoseMode::kPriorMap
                                        ? io::read_prior_map(config.pose.prior_map)
-                                       : pose::EarlierMap{}] {
+                                       : pose::PriorMapData{}] {
         return pose::make_localiser(config.pose, prior_map, config.laser,
                                     config.detector.segmentation.blind_sector(), memory);
       }),
@@ -118,7 +118,7 @@ void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send
   localiser_->add(measurement);
   // Send the correction first: poses from this time on include it.
   send_correction(send);
-  for (pose::PoseEstimate& past : localiser_->take_past()) {
+  for (pose::PoseEstimate& past : localiser_->take_past_poses()) {
     if (past.utime > last_utime_) send_pose(past, send);
   }
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();

@@ -12,7 +12,7 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
-#include "pose/graph/chunk_memory.hpp"
+#include "pose/graph/chunk_allocator.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurement.hpp"
 #include "timing/ordered_queue.hpp"
@@ -25,7 +25,8 @@ class PoseNode : public bus::Node {
  public:
   /// Throws io::FileError when the map of mode prior_map cannot be read. `memory` stores the data
   /// of a long drive; none: the heap. It changes no output.
-  explicit PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkMemory> memory = nullptr);
+  explicit PoseNode(const io::Config& config,
+                    std::shared_ptr<pose::ChunkAllocator> memory = nullptr);
 
   std::string_view name() const override { return "pose"; }
   std::vector<bus::Channel> inputs() const override;
@@ -36,8 +37,8 @@ class PoseNode : public bus::Node {
   std::string waiting_for() const override;
   std::string warning() const override { return localiser_->warning(); }
   /// Statistics of the localiser as named numbers.
-  std::vector<std::pair<std::string, std::int64_t>> account() const {
-    return localiser_->account();
+  std::vector<std::pair<std::string, std::int64_t>> statistics() const {
+    return localiser_->statistics();
   }
 
  private:

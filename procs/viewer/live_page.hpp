@@ -5,21 +5,22 @@
 #include <mutex>
 #include <string>
 
-#include "viewer/live_box.hpp"
 #include "viewer/map_editor.hpp"
 #include "viewer/page_content.hpp"
+#include "viewer/shared_live_state.hpp"
 
 namespace orchard::procs {
 
-/// The page of a live drive: the content of a LiveBox and the picture of its last "look" event.
+/// The page of a live drive: the content of a SharedLiveState and the picture of its last "look"
+/// event.
 class LivePage : public PageContent {
  public:
   /// `editor`: editor of the mapper's folder; null: the page is read-only. `box` and `editor` must
   /// outlive this.
-  LivePage(LiveBox& box, MapEditor* editor, const std::string& version);
+  LivePage(SharedLiveState& box, MapEditor* editor, const std::string& version);
 
   std::string page() const override { return page_; }
-  std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const override {
+  std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const override {
     return box_.events_for(seen, is_more);
   }
   std::optional<PageAnswer> get(const std::string& name, const Parameters& parameters) override;
@@ -27,7 +28,7 @@ class LivePage : public PageContent {
   PageAnswer edit(const std::string& json) override;
 
  private:
-  LiveBox& box_;
+  SharedLiveState& box_;
   MapEditor* editor_;
   std::mutex edit_mutex_;
   std::string page_;

@@ -29,7 +29,7 @@ class PageContent {
   virtual std::string page() const = 0;
 
   /// Events that a client has not seen yet; see view::LiveState::events_for().
-  virtual std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const = 0;
+  virtual std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const = 0;
 
   /// The first event of each stream.
   virtual std::string hello() const { return "{\"kind\":\"hello\"}"; }

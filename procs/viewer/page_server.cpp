@@ -142,7 +142,7 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
     return;
   }
   struct Client {
-    view::Seen seen;
+    view::ViewerProgress seen;
     bool is_greeted = false;
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   };

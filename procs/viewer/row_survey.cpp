@@ -17,7 +17,7 @@ constexpr int kRestPerWork = 20;  ///< limits the load to a twentieth of a core
 
 }  // namespace
 
-RowSurvey::RowSurvey(LiveBox& box, const mapping::RowsConfig& config, MapEditor* editor)
+RowSurvey::RowSurvey(SharedLiveState& box, const mapping::RowsConfig& config, MapEditor* editor)
     : box_(box), config_(config), editor_(editor), thread_([this] { run(); }) {}
 
 RowSurvey::~RowSurvey() {

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "mapping/rows/rows_config.hpp"
-#include "viewer/live_box.hpp"
 #include "viewer/map_editor.hpp"
+#include "viewer/shared_live_state.hpp"
 
 namespace orchard::procs {
 
@@ -17,7 +17,7 @@ namespace orchard::procs {
 class RowSurvey {
  public:
   /// `editor`: editor of the map's folder; null: no corrections.
-  RowSurvey(LiveBox& box, const mapping::RowsConfig& config, MapEditor* editor);
+  RowSurvey(SharedLiveState& box, const mapping::RowsConfig& config, MapEditor* editor);
   ~RowSurvey();
   RowSurvey(const RowSurvey&) = delete;
   RowSurvey& operator=(const RowSurvey&) = delete;
@@ -25,7 +25,7 @@ class RowSurvey {
  private:
   void run();
 
-  LiveBox& box_;
+  SharedLiveState& box_;
   mapping::RowsConfig config_;
   MapEditor* editor_;
   std::vector<mapping::Correction> corrections_;

@@ -11,7 +11,7 @@
 
 namespace orchard::procs {
 
-ViewerNode::ViewerNode(LiveBox& box, bool has_camera, std::string folder)
+ViewerNode::ViewerNode(SharedLiveState& box, bool has_camera, std::string folder)
     : box_(box), has_camera_(has_camera), folder_(std::move(folder)) {}
 
 std::vector<bus::Channel> ViewerNode::inputs() const {
@@ -31,7 +31,7 @@ void ViewerNode::handle(const bus::Message& input, const bus::Outbox&) {
   if (const auto* tile = std::get_if<mapping::MapTile>(&input)) box_.take(*tile);
 }
 
-void ViewerNode::overhear(const bus::Status& status) {
+void ViewerNode::handle_status(const bus::Status& status) {
   const std::int64_t now_utime = bus::wall_utime();
   board_.note(status, now_utime);
   std::string event = cli::status_json(board_.processes(now_utime));

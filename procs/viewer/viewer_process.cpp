@@ -65,7 +65,7 @@ std::unique_ptr<bus::Node> ViewerProcess::make_node(const io::Config& config,
   if (!options.token_file.empty()) server.token = read_token(options.token_file);
   if (!options.edit_folder.empty()) editor_ = std::make_unique<MapEditor>(options.edit_folder);
   const detection::Rig rig(config.laser, config.camera, config.detector);
-  box_ = std::make_unique<LiveBox>(view::LiveState(rig, config.mapper.min_observations));
+  box_ = std::make_unique<SharedLiveState>(view::LiveState(rig, config.mapper.min_observations));
   page_ = std::make_unique<LivePage>(*box_, editor_.get(), std::string(bus::version()));
   server_ = std::make_unique<PageServer>(*page_, server);
   if (config.mapper.rows.enabled || editor_) {

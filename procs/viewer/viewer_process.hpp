@@ -6,10 +6,10 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
-#include "viewer/live_box.hpp"
 #include "viewer/live_page.hpp"
 #include "viewer/page_server.hpp"
 #include "viewer/row_survey.hpp"
+#include "viewer/shared_live_state.hpp"
 
 namespace orchard::procs {
 
@@ -29,7 +29,7 @@ class ViewerProcess {
   std::unique_ptr<bus::Node> make_node(const io::Config& config, const ViewerOptions& options);
 
  private:
-  std::unique_ptr<LiveBox> box_;
+  std::unique_ptr<SharedLiveState> box_;
   std::unique_ptr<MapEditor> editor_;
   std::unique_ptr<LivePage> page_;
   std::unique_ptr<RowSurvey> survey_;

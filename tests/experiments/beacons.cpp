@@ -75,8 +75,8 @@ Result run(std::uint64_t seed) {
   detector.segmentation.reflectivity_min = 1500.0;
   const detection::Rig rig(laser, camera, detector);
   mapping::MapperConfig config;
-  config.fewest_beams = detector.segmentation.min_beams;
-  config.flash_tells = true;
+  config.min_beams = detector.segmentation.min_beams;
+  config.reflector_marks_tree = true;
   mapping::Mapper mapper(config);
   for (int scan_index = 0; scan_index < 240; ++scan_index) {
     const double x_m = 0.1 * scan_index;

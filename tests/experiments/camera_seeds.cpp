@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/board/camera_verdict.hpp"
+#include "calibration/board/camera_acceptance.hpp"
 #include "io/config/config.hpp"
 #include "simulation/scene/board_motion.hpp"
 #include "simulation/scene/board_picture.hpp"
@@ -71,7 +71,7 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
     }
     num_found += static_cast<int>(views.size());
     const auto result = calibration::calibrate_camera(views, lens.width_px, lens.height_px);
-    const std::vector<std::string> reasons = calibration::verdict_on(result);
+    const std::vector<std::string> reasons = calibration::rejection_reasons(result);
     num_refused += !reasons.empty();
     if (!reasons.empty() && first_reason.empty()) first_reason = reasons.front();
     rms_px += result.rms_px / (last - first + 1);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/detection_map.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 

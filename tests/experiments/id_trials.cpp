@@ -59,7 +59,7 @@ Kept map_again(std::uint64_t seed) {
     tree_at[{b.landmarks[i].x_m, b.landmarks[i].y_m}] = b.tree_of[i];
   }
   std::int32_t next_id = 1000;
-  KeptNumbers numbers = keep_ids(a.landmarks, alignment, next_id, b.landmarks);
+  IdTransfer numbers = keep_ids(a.landmarks, alignment, next_id, b.landmarks);
   rows = find_rows(b.landmarks, RowsConfig{});
   keep_numbers(a.landmarks, rows, b.landmarks, numbers);
   std::set<std::pair<std::int32_t, std::int32_t>> given;

@@ -69,25 +69,25 @@ void run(int num_trees, std::uint64_t seed, Tally& tally) {
   const double took_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   tally.worst_s = std::max(tally.worst_s, took_s);
   tally.sum_s += took_s;
-  const bool is_laid = alignment.status == AlignmentStatus::kAligned;
+  const bool is_registered = alignment.status == AlignmentStatus::kAligned;
   double error_m = 0.0;
   const geometry::Pose2 T_a_b = inverse(second.T_map_block);
   for (const Landmark& l : b.landmarks) {
     const Eigen::Vector2d p(l.x_m, l.y_m);
     error_m = std::max(error_m, (transform(alignment.T_a_b, p) - transform(T_a_b, p)).norm());
   }
-  std::string verdict = is_laid ? error_m > kWrong_m ? "WRONG" : "right" : "refused";
+  std::string verdict = is_registered ? error_m > kWrong_m ? "WRONG" : "right" : "refused";
   if (is_other) {
     ++tally.num_others;
-    tally.num_others_laid += is_laid;
-    verdict = is_laid ? "another block LAID" : "another block refused";
+    tally.num_others_laid += is_registered;
+    verdict = is_registered ? "another block LAID" : "another block refused";
   } else {
-    ++(!is_laid ? tally.num_refused : error_m > kWrong_m ? tally.num_wrong : tally.num_right);
+    ++(!is_registered ? tally.num_refused : error_m > kWrong_m ? tally.num_wrong : tally.num_right);
   }
   std::printf("seed %llu: %zu and %zu trees, %.1f s: %s, %zu pairs, %.2f m%s%s\n",
               static_cast<unsigned long long>(seed), a.landmarks.size(), b.landmarks.size(), took_s,
-              verdict.c_str(), alignment.pairs.size(), is_laid ? error_m : 0.0, is_laid ? "" : ": ",
-              is_laid ? "" : alignment.reason.c_str());
+              verdict.c_str(), alignment.pairs.size(), is_registered ? error_m : 0.0,
+              is_registered ? "" : ": ", is_registered ? "" : alignment.reason.c_str());
 }
 
 }  // namespace

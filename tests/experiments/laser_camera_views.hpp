@@ -12,7 +12,7 @@ namespace orchard::calibration_test {
 
 /// What the calibration is given of a simulated board: found in pixels, lines found in scans.
 struct SceneViews {
-  std::vector<calibration::MountView> views;
+  std::vector<calibration::ExtrinsicsView> views;
   calibration::BoardOutline outline;
 };
 
@@ -82,7 +82,7 @@ inline SceneViews views_of_scene(std::uint64_t seed, const simulation::RigConfig
   const auto poses = calibration::estimate_board_poses(boards, camera);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!poses[i] || poses[i]->ambiguous) continue;
-    calibration::MountView view;
+    calibration::ExtrinsicsView view;
     view.board = *poses[i];
     view.num_scans = num_scans;
     view.lines = calibration::find_board_lines(calibration::mean_scan(scans[i]), search);

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   constexpr int kScansPerHour = 36000;
   detection::Rig rig{laser::LaserConfig{}, geometry::CameraConfig{}, detection::DetectorConfig{}};
   view::LiveState state(rig, 2);
-  view::Seen seen, lost;
+  view::ViewerProgress seen, lost;
   bool is_more = false;
   state.events_for(lost, is_more);
   std::size_t num_bytes = 0;

@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   std::string table;
   double longest_commit_s = 0.0;
   {
-    orchard::io::MapPlace place(folder);
+    orchard::io::MapFolderLock place(folder);
     orchard::procs::JournaledMapper mapper(config, 1, place);
     orchard::io::LogSeries logs(std::vector<std::string>{argv[1], argv[2]});
     orchard::procs::MapSaver saver(folder, 1);
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
              megabytes(JournaledMapper::kChunksName) / hours);
   fmt::print("a commit takes {:.3f} s at most\n", longest_commit_s);
   const auto start = std::chrono::steady_clock::now();
-  orchard::io::MapPlace place(folder);
+  orchard::io::MapFolderLock place(folder);
   const JournaledMapper again(config, 1, place);
   const double again_s = seconds_since(start);
   fmt::print("started again: {:.2f} s, {:.2f} s per hour of drive; the map is {}\n", again_s,

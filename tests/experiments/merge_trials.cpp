@@ -149,7 +149,7 @@ void run_case(const Case& c, std::uint64_t seed, Score& score) {
                   alignment.log_odds, alignment.rival_offset_m);
       return;
     }
-    const std::vector<KeptId> ids = merge_into(merged, b.landmarks, alignment);
+    const std::vector<MergedId> ids = merge_into(merged, b.landmarks, alignment);
     whole.landmarks = merged.landmarks;
     for (std::size_t j = 0; j < ids.size(); ++j) {
       tree_of.insert({ids[j].now, b.tree_of[j]});  // one that is wrongly united is lost

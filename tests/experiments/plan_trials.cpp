@@ -32,7 +32,7 @@ void run(std::uint64_t seed, bool any_place, bool is_rectangle, Tally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   PlanMatch match = match_plan(b.plan, map.landmarks, view, config);
   const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!match.is_laid()) {
+  if (!match.is_registered()) {
     ++tally.num_refused;
     const bool is_ambiguous = match.fit.status == AlignmentStatus::kAmbiguous;
     tally.num_ambiguous += is_ambiguous;

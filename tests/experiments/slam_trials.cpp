@@ -19,7 +19,7 @@
 #include "pose/slam/trunk_slam.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene/park/park_scene.hpp"
-#include "simulation/sensor/wheel_memory.hpp"
+#include "simulation/sensor/wheel_error_model.hpp"
 #include "unit/pose/prior_map/noisy_trunk.hpp"
 
 namespace orchard {
@@ -147,7 +147,7 @@ detection::Detections observe(const World& world, std::uint64_t seed, std::int64
   };
   std::vector<InView> view;
   for (std::size_t i = 0; i < world.trees.size(); ++i) {
-    const Eigen::Vector2d p = geometry::transform_back(T, world.trees[i].p_map);
+    const Eigen::Vector2d p = geometry::inverse_transform(T, world.trees[i].p_map);
     const double range_m = p.norm();
     if (range_m > world.range_m) continue;
     const double bearing_rad = std::atan2(p.y(), p.x());
@@ -218,7 +218,7 @@ void describe(FILE* trace, const pose::SlamGraph& graph, const World& world, int
       if (o.landmark != landmark) continue;
       const Eigen::Vector2d p = geometry::transform(T, o.position());
       const Eigen::Vector2d off =
-          geometry::transform_back(keyframe.T_map_base, l.p_map) - o.position();
+          geometry::inverse_transform(keyframe.T_map_base, l.p_map) - o.position();
       const double sd_m = std::sqrt(keyframe.local_covariance.topLeftCorner<2, 2>().trace());
       const char* gap = k > before + 20 ? "|" : " ";
       std::fprintf(trace,
@@ -235,7 +235,7 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
   slam.set_default_noise(0.03, 0.02);
   Random run(seed, Stream::kOdometryRun);
   const auto errors = simulation::draw_odometry_errors(world.motion, world.wheels, run);
-  const simulation::WheelMemory memory(seed, world.wheels, world.path.duration_s());
+  const simulation::WheelErrorModel memory(seed, world.wheels, world.path.duration_s());
   const double duration_s = world.path.duration_s();
   Result result;
   FILE* trace = dump.empty() ? nullptr : std::fopen(dump.c_str(), "w");

@@ -32,15 +32,14 @@ LiveDriver::LiveDriver(Bus& bus, Driver& driver, const std::string& name,
       driver_(driver),
       options_(options),
       report_(bus, name, options.config),
-      neighbours_(name, report_.host(), options.config.hash),
+      peers_(name, report_.host(), options.config.hash),
       missing_(options.wait_for) {
   bus_.subscribe_status([this](const Status& heard) {
     missing_.erase(std::remove(missing_.begin(), missing_.end(), heard.name), missing_.end());
     // A new process learns of this one at once instead of within a second.
-    if (neighbours_.note(heard, wall_utime(), Clock::now())) report_.hurry(true);
+    if (peers_.note(heard, wall_utime(), Clock::now())) report_.send_soon(true);
   });
-  bus_.subscribe_config(
-      [this](const ConfigNotice& notice) { neighbours_.note(notice, Clock::now()); });
+  bus_.subscribe_config([this](const ConfigNotice& notice) { peers_.note(notice, Clock::now()); });
 }
 
 void LiveDriver::run(StopSignal& stop) {
@@ -88,7 +87,7 @@ bool LiveDriver::wait_for_others(StopSignal& stop) {
 
 void LiveDriver::wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop) {
   if (report_.due()) {
-    if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
+    if (const double step_s = peers_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
       spdlog::warn("the clock of this machine was changed by {:+.1f} s", step_s);
     }
     report_.send(status());
@@ -147,8 +146,8 @@ Status LiveDriver::status() const {
     status.text = text + (status.text.empty() ? "" : "; " + status.text);
   };
   const Clock::time_point now = Clock::now();
-  add(Level::kWarning, neighbours_.text(now));
-  if (const std::string twin = neighbours_.twin(now); !twin.empty()) {
+  add(Level::kWarning, peers_.text(now));
+  if (const std::string twin = peers_.twin(now); !twin.empty()) {
     add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   if (bus_.counts().num_unsent > 0) status.level = std::max(status.level, Level::kWarning);

@@ -10,7 +10,7 @@
 
 #include "bus/bus.hpp"
 #include "bus/driver/driver.hpp"
-#include "bus/node/neighbours.hpp"
+#include "bus/node/peer_processes.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
@@ -41,7 +41,7 @@ class LiveDriver {
   Driver& driver_;
   ProcessOptions options_;
   ProcessReport report_;
-  Neighbours neighbours_;
+  PeerProcesses peers_;
   std::vector<std::string> missing_;  ///< processes that have not been heard yet
   std::optional<double> duration_s_;
   std::optional<io::ProgressBar> bar_;

@@ -27,14 +27,14 @@ class FieldCheck {
   template <class T, class Lo, class Hi>
   void field(const char* name, T value, Lo lo, Hi hi) {
     if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(value)) return object(Reason::kNotFinite, name, std::to_string(value));
+      if (!std::isfinite(value)) return refuse(Reason::kNotFinite, name, std::to_string(value));
       if (!(value >= lo && value <= hi)) {
-        object(Reason::kOutOfRange, name, std::to_string(value));
+        refuse(Reason::kOutOfRange, name, std::to_string(value));
       }
     } else {
       const auto number = static_cast<std::int64_t>(value);
       if (number < static_cast<std::int64_t>(lo) || number > static_cast<std::int64_t>(hi)) {
-        object(Reason::kOutOfRange, name, std::to_string(number));
+        refuse(Reason::kOutOfRange, name, std::to_string(number));
       }
     }
   }
@@ -75,14 +75,14 @@ class FieldCheck {
   void text(const char*, const std::string&) {}
 
   /// Checks a condition that involves more than one field.
-  void that(bool condition, Reason reason, const char* detail) {
+  void require(bool condition, Reason reason, const char* detail) {
     if (!condition && !rejection_) rejection_ = Rejection{reason, detail};
   }
   bool ok() const { return !rejection_; }
   std::optional<Rejection> result() && { return std::move(rejection_); }
 
  private:
-  void object(Reason reason, const char* name, const std::string& value) {
+  void refuse(Reason reason, const char* name, const std::string& value) {
     if (!rejection_) rejection_ = Rejection{reason, std::string(name) + " = " + value};
   }
   std::optional<Rejection> rejection_;

@@ -15,16 +15,16 @@ template <class M>
 void check(FieldCheck&, const M&) {}
 
 void check(FieldCheck& c, const laser::Scan& scan) {
-  c.that(scan.bearing_step_rad != 0.0, Reason::kOutOfRange, "bearing_step_rad = 0");
-  c.that(scan.range_max_m > scan.range_min_m, Reason::kInconsistent,
-         "range_max_m is not above range_min_m");
-  c.that(!scan.ranges_m.empty(), Reason::kOutOfRange, "num_ranges = 0");
+  c.require(scan.bearing_step_rad != 0.0, Reason::kOutOfRange, "bearing_step_rad = 0");
+  c.require(scan.range_max_m > scan.range_min_m, Reason::kInconsistent,
+            "range_max_m is not above range_min_m");
+  c.require(!scan.ranges_m.empty(), Reason::kOutOfRange, "num_ranges = 0");
   if (!c.ok()) return;
   const double num_steps = static_cast<double>(scan.ranges_m.size()) - 1.0;
-  c.that(num_steps * std::abs(scan.bearing_step_rad) <= 2 * geometry::kPi + 0.1,
-         Reason::kInconsistent, "its beams cover more than a full turn");
-  c.that(scan.intensities.empty() || scan.intensities.size() == scan.ranges_m.size(),
-         Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
+  c.require(num_steps * std::abs(scan.bearing_step_rad) <= 2 * geometry::kPi + 0.1,
+            Reason::kInconsistent, "its beams cover more than a full turn");
+  c.require(scan.intensities.empty() || scan.intensities.size() == scan.ranges_m.size(),
+            Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
   // ROS drivers send +inf for no return and NaN or -inf for a failed beam (REP 117); all readers of
   // ranges treat them as no return.
   for (const float range_m : scan.ranges_m) {
@@ -32,7 +32,7 @@ void check(FieldCheck& c, const laser::Scan& scan) {
     if (!usual && std::isfinite(range_m)) c.field("ranges_m", range_m, 0, 1e5);
   }
   for (const float intensity : scan.intensities) {
-    c.that(std::isfinite(intensity), Reason::kNotFinite, "an intensity is not finite");
+    c.require(std::isfinite(intensity), Reason::kNotFinite, "an intensity is not finite");
   }
 }
 
@@ -43,16 +43,16 @@ void check(FieldCheck& c, const laser::RearScan& scan) {
 void check(FieldCheck& c, const vision::Image& image) {
   const std::size_t num_pixels = static_cast<std::size_t>(image.width_px) * image.height_px;
   if (image.encoding == vision::Encoding::kBgr8) {
-    c.that(image.data.size() == 3 * num_pixels, Reason::kInconsistent,
-           "num_bytes is not 3 x width_px x height_px");
+    c.require(image.data.size() == 3 * num_pixels, Reason::kInconsistent,
+              "num_bytes is not 3 x width_px x height_px");
   } else if (image.encoding == vision::Encoding::kGray8) {
-    c.that(image.data.size() == num_pixels, Reason::kInconsistent,
-           "num_bytes is not width_px x height_px");
+    c.require(image.data.size() == num_pixels, Reason::kInconsistent,
+              "num_bytes is not width_px x height_px");
   } else {
     const std::optional<JpegSize> size = find_jpeg_size(image.data);
-    c.that(size.has_value(), Reason::kInconsistent, "not a JPEG with a frame header");
-    c.that(!size || (size->width_px == image.width_px && size->height_px == image.height_px),
-           Reason::kInconsistent, "the JPEG's size is not width_px x height_px");
+    c.require(size.has_value(), Reason::kInconsistent, "not a JPEG with a frame header");
+    c.require(!size || (size->width_px == image.width_px && size->height_px == image.height_px),
+              Reason::kInconsistent, "the JPEG's size is not width_px x height_px");
   }
 }
 
@@ -70,7 +70,7 @@ void check(FieldCheck& c, const pose::TrajectoryPage& page) {
   c.field("page", page.page, 0, std::int64_t{page.num_pages} - 1);
   std::int64_t before = -1;
   for (const pose::PoseEstimate& pose : page.poses) {
-    c.that(pose.utime > before, Reason::kInconsistent, "its poses are not sorted by utime");
+    c.require(pose.utime > before, Reason::kInconsistent, "its poses are not sorted by utime");
     if (!c.ok()) return;
     before = pose.utime;
   }

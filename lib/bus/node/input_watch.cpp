@@ -80,43 +80,43 @@ void InputWatch::count(Channel channel, const SequenceCounts& counts, std::int64
   if (seconds.size() > kSecondsCounted + 1) seconds.pop_front();
 }
 
-SequenceCounts InputWatch::lately(const Input& input) {
+SequenceCounts InputWatch::recent_counts(const Input& input) {
   if (input.seconds.size() < 2) return {};
   const SequenceCounts& then = input.seconds.front().counts;
   SequenceCounts counts = input.seconds.back().counts;
   counts.num_lost -= then.num_lost;
   counts.num_duplicate -= then.num_duplicate;
   counts.num_reordered -= then.num_reordered;
-  counts.num_leaps -= then.num_leaps;
+  counts.num_jumps -= then.num_jumps;
   counts.num_restarts -= then.num_restarts;
-  counts.num_contests -= then.num_contests;
+  counts.num_second_source_signs -= then.num_second_source_signs;
   return counts;
 }
 
 bool InputWatch::is_serious(Channel channel) const {
-  const SequenceCounts counts = lately(at(channel));
-  return at(channel).stale || counts.num_lost > 0 || counts.num_leaps > 0 ||
+  const SequenceCounts counts = recent_counts(at(channel));
+  return at(channel).stale || counts.num_lost > 0 || counts.num_jumps > 0 ||
          has_two_sources(channel);
 }
 
 bool InputWatch::has_two_sources(Channel channel) const {
-  return lately(at(channel)).num_contests > 2;
+  return recent_counts(at(channel)).num_second_source_signs > 2;
 }
 
 std::string InputWatch::text(Channel channel, Clock::time_point now) const {
   const Input& input = at(channel);
   const std::string name(info(channel).name);
-  const SequenceCounts counts = lately(input);
+  const SequenceCounts counts = recent_counts(input);
   const std::int64_t num_used =
       input.seconds.size() > 1 ? input.seconds.back().num_used - input.seconds.front().num_used : 0;
   const std::int64_t num_sent = num_used + counts.num_lost;
   std::string fractions = fraction("lost", counts.num_lost, num_sent) +
                           fraction("late", counts.num_reordered, num_sent) +
                           fraction("duplicate", counts.num_duplicate, num_sent);
-  if (counts.num_leaps > 0) {
-    fractions += ", " + std::to_string(counts.num_leaps) + " refused for a jump in time or seq";
+  if (counts.num_jumps > 0) {
+    fractions += ", " + std::to_string(counts.num_jumps) + " refused for a jump in time or seq";
   }
-  if (counts.num_contests > 2) fractions += ", from two sources";
+  if (counts.num_second_source_signs > 2) fractions += ", from two sources";
   if (counts.num_restarts > 0) {
     fractions += ", its sender was restarted";
     if (counts.clock_change_s != 0.0) {

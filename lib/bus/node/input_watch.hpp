@@ -54,7 +54,7 @@ class InputWatch {
     std::deque<Totals> seconds;  ///< totals of the last ten seconds
   };
   const Input& at(Channel channel) const { return inputs_[static_cast<std::size_t>(channel)]; }
-  static SequenceCounts lately(const Input& input);
+  static SequenceCounts recent_counts(const Input& input);
   static std::optional<std::chrono::duration<double>> period(const Input& input);
   static std::optional<Clock::time_point> stale_from(const Input& input);
 

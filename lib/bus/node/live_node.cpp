@@ -79,30 +79,29 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
       next_save_(Clock::now() + kSavePeriod),
       next_full_save_(Clock::now() + kFullSavePeriod),
       start_(Clock::now()),
-      neighbours_(name, report_.host(), config.hash),
+      peers_(name, report_.host(), config.hash),
       alone_(alone) {
   for (const Channel channel : node.inputs()) {
     bus_.subscribe(channel, [this](const Message& message, Bytes bytes) { take(message, bytes); });
   }
   bus_.subscribe_status([this](const Status& status) {
     // A new process learns of this one at once instead of within a second.
-    if (neighbours_.note(status, wall_utime(), Clock::now())) report_.hurry(true);
-    node_.overhear(status);
+    if (peers_.note(status, wall_utime(), Clock::now())) report_.send_soon(true);
+    node_.handle_status(status);
   });
-  bus_.subscribe_config(
-      [this](const ConfigNotice& notice) { neighbours_.note(notice, Clock::now()); });
+  bus_.subscribe_config([this](const ConfigNotice& notice) { peers_.note(notice, Clock::now()); });
 }
 
 void LiveNode::run(StopSignal& stop) {
-  if (alone_) look_around(stop);
+  if (alone_) check_peers(stop);
   while (!stop.raised()) {
     drain();
-    if (inputs_.update(Clock::now())) report_.hurry(false);
+    if (inputs_.update(Clock::now())) report_.send_soon(false);
     if (report_.due()) report();
     save_when_due();
     if (!handle_next()) wait(stop);
   }
-  use_up();
+  process_arrived();
   host_.flush();
   const std::string not_saved = save_now(SaveKind::kFinal);
   report_.send(status());
@@ -124,7 +123,7 @@ void LiveNode::wait(StopSignal& stop) {
   stop.wait(bus_.fileno(), timeout_ms);
 }
 
-void LiveNode::use_up() {
+void LiveNode::process_arrived() {
   const Clock::time_point taken_in = Clock::now() + kTakeInMax;
   while (Clock::now() < taken_in && bus_.handle(kQuiet_ms)) {
   }
@@ -136,33 +135,33 @@ void LiveNode::use_up() {
     spdlog::warn("stopped with {} received messages not processed", inbox_.size());
 }
 
-void LiveNode::look_around(StopSignal& stop) {
+void LiveNode::check_peers(StopSignal& stop) {
   const Clock::time_point end = Clock::now() + kLookAround;
   report_.send(status());  // processes already running answer
   while (!stop.raised() && Clock::now() < end) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     if (stop.wait(bus_.fileno(), static_cast<int>(left.count()))) drain();
-    refuse_to_be_second();
+    require_single_instance();
   }
 }
 
 /// A process that has run for a while continues in any case, because a STATUS may be a recorded
 /// one.
-void LiveNode::refuse_to_be_second() const {
+void LiveNode::require_single_instance() const {
   const Clock::time_point now = Clock::now();
   if (!alone_ || now - start_ > kGiveWay) return;
-  if (!neighbours_.twin_is_older(report_.num_sent(), now)) return;
-  throw std::runtime_error(neighbours_.twin(now) + " is already running on " + bus_.url() +
+  if (!peers_.twin_is_older(report_.num_sent(), now)) return;
+  throw std::runtime_error(peers_.twin(now) + " is already running on " + bus_.url() +
                            ": stop it first, or set another lcm.url for this process");
 }
 
 void LiveNode::report() {
-  refuse_to_be_second();
+  require_single_instance();
   log_missing_inputs();
   for (const Channel channel : node_.inputs()) {
     inputs_.count(channel, host_.sequence_counts(channel), host_.num_used(channel));
   }
-  if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
+  if (const double step_s = peers_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
     spdlog::warn("the clock of this machine was changed by {:+.1f} s", step_s);
   }
   const std::int64_t num_dropped = inbox_.num_dropped();
@@ -239,7 +238,7 @@ std::string LiveNode::save_now(SaveKind kind) {
     // A full disk must not end the mapping; the last good file remains.
     spdlog::error("not saved: {}", error.what());
     report_.set_error(std::string("not saved: ") + error.what());
-    if (!is_save_failing_) report_.hurry(false);
+    if (!is_save_failing_) report_.send_soon(false);
     is_save_failing_ = true;
     return error.what();
   }
@@ -250,7 +249,7 @@ Status LiveNode::status() const {
   const NodeCounts counts = node_.counts();
   Status status;
   status.num_good = host_.num_handled();
-  status.num_bad = bus_.counts().num_bad() + counts.num_unusable + sequence.num_leaps;
+  status.num_bad = bus_.counts().num_bad() + counts.num_unusable + sequence.num_jumps;
   status.num_lost = sequence.num_lost;
   status.num_late = counts.num_late + sequence.num_reordered;
   status.num_duplicate = sequence.num_duplicate;
@@ -261,15 +260,15 @@ Status LiveNode::status() const {
     status.text += (status.text.empty() ? "" : "; ") + text;
   };
   const Clock::time_point now = Clock::now();
-  if (const std::string twin = neighbours_.twin(now); !twin.empty()) {
+  if (const std::string twin = peers_.twin(now); !twin.empty()) {
     add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   add(Level::kWarning, node_.warning());
   std::string inputs;
-  const Level inputs_level = say_inputs(inputs);
+  const Level inputs_level = describe_inputs(inputs);
   add(inputs_level, inputs);
   add(Level::kWaiting, waiting_text());
-  add(Level::kWarning, neighbours_.text(now));
+  add(Level::kWarning, peers_.text(now));
   if (!num_late_.empty() && num_late_.back() - num_late_.front() > kLateFew) {
     add(Level::kWarning, std::to_string(num_late_.back() - num_late_.front()) +
                              " messages of the last " + std::to_string(kLateSeconds) +
@@ -293,7 +292,7 @@ Status LiveNode::status() const {
   return status;
 }
 
-Level LiveNode::say_inputs(std::string& text) const {
+Level LiveNode::describe_inputs(std::string& text) const {
   Level level = Level::kOk;
   const Clock::time_point now = Clock::now();
   for (const Channel channel : node_.inputs()) {
@@ -303,7 +302,7 @@ Level LiveNode::say_inputs(std::string& text) const {
     if (inputs_.has_two_sources(channel)) {
       const std::string part =
           info(channel).role == Role::kSource ? "driver" : std::string(publisher_of(channel));
-      const std::string who = neighbours_.named(part, now);
+      const std::string who = peers_.named(part, now);
       if (!who.empty()) said += " (" + who + ")";
     } else if (inputs_.is_stale(channel)) {
       said += " (sent by " + std::string(publisher_of(channel)) + ")";

@@ -9,8 +9,8 @@
 #include "bus/bus.hpp"
 #include "bus/node/inbox.hpp"
 #include "bus/node/input_watch.hpp"
-#include "bus/node/neighbours.hpp"
 #include "bus/node/node_host.hpp"
+#include "bus/node/peer_processes.hpp"
 #include "bus/node/process.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
@@ -36,16 +36,16 @@ class LiveNode {
   void drain();
   bool handle_next();
   void wait(StopSignal& stop);
-  void use_up();
-  void look_around(StopSignal& stop);
-  void refuse_to_be_second() const;
+  void process_arrived();
+  void check_peers(StopSignal& stop);
+  void require_single_instance() const;
   void report();
   void save_when_due();
   /// Returns an empty string, or the message of the exception thrown.
   std::string save_now(SaveKind kind);
   Status status() const;
   std::string waiting_text() const;
-  Level say_inputs(std::string& text) const;
+  Level describe_inputs(std::string& text) const;
 
   Bus& bus_;
   Node& node_;
@@ -59,7 +59,7 @@ class LiveNode {
   Clock::time_point start_;
   Inbox inbox_;
   InputWatch inputs_;
-  Neighbours neighbours_;
+  PeerProcesses peers_;
   bool alone_;
   bool outputs_flow_ = true;  ///< outputs were sent between the last two reports; true at first
   std::int64_t num_published_before_ = 0;

@@ -32,9 +32,9 @@ enum class InputNeed {
 
 /// Part of a node's work that can be computed in advance, on any thread, because it depends on no
 /// output of other nodes.
-class Foreseen {
+class Precomputation {
  public:
-  virtual ~Foreseen() = default;
+  virtual ~Precomputation() = default;
   virtual void compute() = 0;
 };
 
@@ -63,14 +63,14 @@ class Node {
   /// Returns the part of handle(input) that can be computed in advance, or none; used by replays on
   /// several cores. Called for each input in order, by one thread at a time, possibly while another
   /// thread is in handle() of an earlier input. `input` outlives the returned object.
-  virtual std::unique_ptr<Foreseen> foresee(const Message& /*input*/) { return nullptr; }
+  virtual std::unique_ptr<Precomputation> precompute(const Message& /*input*/) { return nullptr; }
 
-  /// Receives the computed result of foresee() for the next input of handle(). The outputs of
+  /// Receives the computed result of precompute() for the next input of handle(). The outputs of
   /// handle() must not depend on whether this is called.
-  virtual void expect(std::unique_ptr<Foreseen> /*foreseen*/) {}
+  virtual void use_precomputed(std::unique_ptr<Precomputation> /*precomputed*/) {}
 
   /// Receives the STATUS of other processes, live only, for display. No output may depend on it.
-  virtual void overhear(const Status& /*status*/) {}
+  virtual void handle_status(const Status& /*status*/) {}
 
   /// Signals the end of the inputs: sends the outputs that were still waiting for one.
   virtual void flush(const Outbox& send) = 0;

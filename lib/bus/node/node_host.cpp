@@ -27,7 +27,7 @@ bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival
   }
   // Nodes require increasing seq.
   if (decision == GateDecision::kDuplicate || decision == GateDecision::kReordered) return false;
-  if (decision == GateDecision::kBelieved) {
+  if (decision == GateDecision::kConfirmed) {
     for (const Message& message : held) deliver(message);
   }
   held.clear();

@@ -46,7 +46,7 @@ void ProcessReport::note_input(double latency_s) {
   latency_max_s_ = std::max(latency_max_s_, latency_s);
 }
 
-void ProcessReport::hurry(bool with_config) {
+void ProcessReport::send_soon(bool with_config) {
   next_status_ = std::min(next_status_, last_status_ + kStatusApart);
   if (!with_config) return;
   const Clock::time_point last_config = next_config_ - kConfigPeriod;

@@ -34,7 +34,7 @@ class ProcessReport {
 
   /// Makes STATUS (and CONFIG) due now, because a new process appeared or something changed, unless
   /// they were sent a moment ago.
-  void hurry(bool with_config);
+  void send_soon(bool with_config);
 
   bool due() const { return Clock::now() >= next_status_; }
   int ms_until_due() const;

@@ -70,8 +70,8 @@ std::int64_t expected_lead_us(const Steps& steps, std::size_t num) {
 }  // namespace
 
 bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
-  return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
-         next.utime - last.utime <= kLeap_us;
+  return next.seq > last.seq && next.seq - last.seq <= kJump_seq && next.utime >= last.utime &&
+         next.utime - last.utime <= kJump_us;
 }
 
 /// Whether as much time has passed at the receiver as the time stamps say.
@@ -79,7 +79,7 @@ bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
   if (!last.arrival_us || !next.arrival_us) return false;
   const std::int64_t passed_us = next.utime - last.utime;
   return passed_us > 0 && passed_us <= kPauseMax_us &&
-         std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kLeap_us;
+         std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kJump_us;
 }
 
 void SequenceGate::Pace::note(const Stamp& before, const Stamp& stamp) {
@@ -107,13 +107,13 @@ bool SequenceGate::Pace::is_early(const Stamp& last, const Stamp& next) const {
   if (num_ < kStepsMin) return lead_us - (last.utime - *last.arrival_us) > kAheadMax_us;
   const std::int64_t period_us = median(&Step::period_us);
   const std::int64_t few_us =
-      period_us > 0 ? std::min(kNumToBelieve * period_us, kAheadMax_us) : kAheadMax_us;
+      period_us > 0 ? std::min(kNumToConfirm * period_us, kAheadMax_us) : kAheadMax_us;
   return lead_us - expected_lead_us(steps_, num_) > few_us;
 }
 
 bool SequenceGate::Pace::skips(const Stamp& last, const Stamp& next) const {
   if (num_ < kStepsMin) return false;
-  const std::int64_t num_skipped = std::int64_t{next.seq} - last.seq - kNumToBelieve;
+  const std::int64_t num_skipped = std::int64_t{next.seq} - last.seq - kNumToConfirm;
   return num_skipped * median(&Step::period_us) > kRateMax * (next.utime - last.utime);
 }
 
@@ -121,7 +121,7 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
   for (std::size_t i = 0; i < last_.size(); ++i) {
     const Last& other = last_[i];
     if (i == index(channel) || !other.seen || num_accepted_ - other.order > kTimeGoodFor) continue;
-    if (std::abs(other.stamp.utime - utime) <= kLeap_us) return true;
+    if (std::abs(other.stamp.utime - utime) <= kJump_us) return true;
   }
   return false;
 }
@@ -132,7 +132,7 @@ bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   if (follows(last, next)) return !pace.is_early(last, next) && !pace.skips(last, next);
   // After a silence of this channel alone, the other channels tell the time; after a silence of all
   // channels, the receiver's clock does.
-  return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
+  return next.seq > last.seq && next.seq - last.seq <= kJump_seq && next.utime >= last.utime &&
          (others_are_at(channel, next.utime) || is_pause(last, next));
 }
 
@@ -177,7 +177,7 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
     // The apparent restart is a second source; the first one continues.
     last.stamp = *std::exchange(last.before, std::nullopt);
     last.contested = true;
-    ++counts.num_contests;
+    ++counts.num_second_source_signs;
   }
   if (goes_on(channel, stamp)) {
     const int num_right = last.num_held - last.num_held_old;
@@ -189,7 +189,7 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
       counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
       last.num_held = last.num_held_old = 0;
       take(last, stamp);
-      return GateDecision::kBelieved;
+      return GateDecision::kConfirmed;
     }
     drop_held(channel);
     counts.num_lost += seq - last.stamp.seq - 1;
@@ -203,8 +203,8 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
     remember(last, stamp);
     return GateDecision::kReordered;
   }
-  const bool time_goes_on = utime > last.stamp.utime && utime - last.stamp.utime <= kLeap_us;
-  const bool time_is_known = std::abs(utime - last.stamp.utime) > kLeap_us &&
+  const bool time_goes_on = utime > last.stamp.utime && utime - last.stamp.utime <= kJump_us;
+  const bool time_is_known = std::abs(utime - last.stamp.utime) > kJump_us &&
                              others_are_at(channel, utime) &&
                              !others_are_at(channel, last.stamp.utime);
   if (!last.contested && time_goes_on && seq <= last.stamp.seq && seq < kNearSeq &&
@@ -226,8 +226,8 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   }
   if (last.num_held > 0 && !follows(last.held, stamp)) {
     // If several messages agree, one that disagrees is refused, but only a limited number of times.
-    if (last.num_held > 1 && ++last.num_against < kNumToBelieve) {
-      ++counts_[index(channel)].num_leaps;
+    if (last.num_held > 1 && ++last.num_against < kNumToConfirm) {
+      ++counts_[index(channel)].num_jumps;
       return GateDecision::kDuplicate;
     }
     drop_held(channel);
@@ -237,33 +237,33 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   // Single messages were refused one by one and yet continue each other: another source sends them.
   const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
                               stamp.seq - last.rival->seq <= kNearSeq;
-  if (goes_on_beside) ++counts_[index(channel)].num_contests;
+  if (goes_on_beside) ++counts_[index(channel)].num_second_source_signs;
   if (last.seen && stamp.seq <= last.stamp.seq && stamp.utime <= last.stamp.utime &&
-      last.stamp.utime - stamp.utime <= kLeap_us) {
+      last.stamp.utime - stamp.utime <= kJump_us) {
     ++last.num_held_old;
   }
-  if (last.contested) ++counts_[index(channel)].num_contests;
+  if (last.contested) ++counts_[index(channel)].num_second_source_signs;
   last.held = stamp;
-  if (last.num_held < kNumToBelieve && !is_time_known) return GateDecision::kHeld;
+  if (last.num_held < kNumToConfirm && !is_time_known) return GateDecision::kHeld;
   const bool alone = last.num_held == 1;
   if (last.seen && follows(last.stamp, stamp)) {  // a jump ahead, and the source stays there
     counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
     last.num_held = last.num_held_old = 0;
     last.pace.forget();
     take(last, stamp);
-    return alone ? GateDecision::kNew : GateDecision::kBelieved;
+    return alone ? GateDecision::kNew : GateDecision::kConfirmed;
   }
   last.num_held = last.num_held_old = 0;
   begin_again(channel, stamp);
   last.before.reset();
   last.contested = false;
-  return alone ? GateDecision::kNew : GateDecision::kBelieved;
+  return alone ? GateDecision::kNew : GateDecision::kConfirmed;
 }
 
 void SequenceGate::drop_held(Channel channel) {
   Last& last = last_[index(channel)];
   counts_[index(channel)].num_duplicate += last.num_held_old;
-  counts_[index(channel)].num_leaps += last.num_held - last.num_held_old;
+  counts_[index(channel)].num_jumps += last.num_held - last.num_held_old;
   if (last.num_held > 0) last.rival = last.held;
   last.num_held = last.num_held_old = 0;
 }
@@ -287,11 +287,12 @@ void SequenceGate::begin_again(Channel channel, const Stamp& stamp) {
   if (last.seen) {
     ++counts.num_restarts;
     const std::int64_t change_us = stamp.utime - last.stamp.utime;
-    if (std::abs(change_us) > kLeap_us) {
+    if (std::abs(change_us) > kJump_us) {
       counts.clock_change_s = 1e-6 * static_cast<double>(change_us);
     }
     const bool soon = last.run > 1 && num_accepted_ - last.restart_order < kRestartsApart;
-    if (soon && stamp.seq > 0 && stamp.seq < last.stamp.seq + kNearSeq) ++counts.num_contests;
+    if (soon && stamp.seq > 0 && stamp.seq < last.stamp.seq + kNearSeq)
+      ++counts.num_second_source_signs;
     last.before = last.stamp;
     last.restart_order = num_accepted_;
   }
@@ -310,9 +311,9 @@ SequenceCounts SequenceGate::counts() const {
     sum.num_lost += counts.num_lost;
     sum.num_duplicate += counts.num_duplicate;
     sum.num_reordered += counts.num_reordered;
-    sum.num_leaps += counts.num_leaps;
+    sum.num_jumps += counts.num_jumps;
     sum.num_restarts += counts.num_restarts;
-    sum.num_contests += counts.num_contests;
+    sum.num_second_source_signs += counts.num_second_source_signs;
     if (std::abs(counts.clock_change_s) > std::abs(sum.clock_change_s)) {
       sum.clock_change_s = counts.clock_change_s;
     }

@@ -15,10 +15,10 @@ struct SequenceCounts {
   std::int64_t num_lost = 0;       ///< missing by seq
   std::int64_t num_duplicate = 0;  ///< received before, or too old to tell
   std::int64_t num_reordered = 0;  ///< arrived after a later message; not counted as lost
-  std::int64_t num_leaps = 0;     ///< refused: time or seq jumps, and no other message confirmed it
+  std::int64_t num_jumps = 0;     ///< refused: time or seq jumps, and no other message confirmed it
   std::int64_t num_restarts = 0;  ///< the source was restarted, or its clock was set
-  std::int64_t num_contests = 0;  ///< indications of a second source on the channel
-  double clock_change_s = 0.0;    ///< last step of a source's clock, if larger than kLeap_us
+  std::int64_t num_second_source_signs = 0;  ///< indications of a second source on the channel
+  double clock_change_s = 0.0;  ///< last step of a source's clock, if larger than kJump_us
 };
 
 /// What to do with a message.
@@ -27,7 +27,7 @@ enum class GateDecision {
   kReordered,  ///< use it in a log, where messages are sorted afterwards; too late when live
   kDuplicate,  ///< drop it: received before, or contradicts the held messages
   kHeld,       ///< hold it: it jumps. Keep the newest num_held() held messages
-  kBelieved,   ///< it agrees with the held messages: use those in order, then this one
+  kConfirmed,  ///< it agrees with the held messages: use those in order, then this one
 };
 
 /// Decides per channel whether a message is new. The rule is the same live (order of arrival) and
@@ -35,19 +35,19 @@ enum class GateDecision {
 ///
 /// A message is new if its seq is higher and its utime is not earlier. A seq that falls to a low
 /// number while time continues means that the source was restarted. Any other jump needs
-/// confirmation: more than kLeap_us or kLeap_seq, or a utime that goes back. It is accepted once
-/// kNumToBelieve messages in a row agree on it, if the other channels are already at that time, or
+/// confirmation: more than kJump_us or kJump_seq, or a utime that goes back. It is accepted once
+/// kNumToConfirm messages in a row agree on it, if the other channels are already at that time, or
 /// if as much time has passed at the receiver (the robot paused).
 ///
 /// If arrival times are known, two more cases need confirmation: a utime that is ahead of the
-/// channel's pace by more than kNumToBelieve periods (at most two seconds), and a seq that grows
+/// channel's pace by more than kNumToConfirm periods (at most two seconds), and a seq that grows
 /// faster than the utime at the channel's rate. The pace is the median of recent messages, so no
 /// single message shifts it. Held messages that lie between two new ones are accepted.
 class SequenceGate {
  public:
-  static constexpr std::int64_t kLeap_us = 60'000'000;
-  static constexpr std::int32_t kLeap_seq = 100'000;
-  static constexpr int kNumToBelieve = 5;
+  static constexpr std::int64_t kJump_us = 60'000'000;
+  static constexpr std::int32_t kJump_seq = 100'000;
+  static constexpr int kNumToConfirm = 5;
 
   /// Classifies one message. `arrival_us`: time of arrival on any one clock of the receiver [us]
   /// (in a log: time of recording); none where it is unrelated to the source's time.

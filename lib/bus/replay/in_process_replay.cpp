@@ -51,10 +51,10 @@ class Replay {
     std::vector<PipelineStage> stages{at_once([this](Batch& batch) { decode_all(batch); })};
     if (num_threads_ > 1) {
       stages.push_back(in_turn([this](Batch& batch) {
-        for (ReplayEvent& event : batch.events) chain_.foresee(event);
+        for (ReplayEvent& event : batch.events) chain_.precompute(event);
       }));
       stages.push_back(at_once([](Batch& batch) {
-        for (ReplayEvent& event : batch.events) NodeChain::compute_foreseen(event);
+        for (ReplayEvent& event : batch.events) NodeChain::compute_ahead(event);
       }));
     }
     for (std::size_t node = 0; node < chain_.size(); ++node) {

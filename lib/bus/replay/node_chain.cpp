@@ -35,18 +35,19 @@ bool NodeChain::is_read_from(std::size_t node, Channel channel) const {
   return false;
 }
 
-void NodeChain::foresee(ReplayEvent& event) const {
-  event.foreseen.clear();
+void NodeChain::precompute(ReplayEvent& event) const {
+  event.precomputed.clear();
   if (!event.source) return;
   const auto channel = static_cast<std::size_t>(channel_of(*event.source));
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    event.foreseen.push_back(reads_[i][channel] ? nodes_[i]->foresee(*event.source) : nullptr);
+    event.precomputed.push_back(reads_[i][channel] ? nodes_[i]->precompute(*event.source)
+                                                   : nullptr);
   }
 }
 
-void NodeChain::compute_foreseen(ReplayEvent& event) {
-  for (const auto& foreseen : event.foreseen) {
-    if (foreseen) foreseen->compute();
+void NodeChain::compute_ahead(ReplayEvent& event) {
+  for (const auto& precomputed : event.precomputed) {
+    if (precomputed) precomputed->compute();
   }
 }
 
@@ -71,7 +72,8 @@ void NodeChain::pass(std::size_t node, ReplayEvent& event) {
   if (!event.source) {
     if (event.flushed_node == node) host.flush();
   } else if (reads[static_cast<std::size_t>(channel_of(*event.source))]) {
-    if (node < event.foreseen.size()) host.node().expect(std::move(event.foreseen[node]));
+    if (node < event.precomputed.size())
+      host.node().use_precomputed(std::move(event.precomputed[node]));
     host.deliver(*event.source);
   }
   for (const std::size_t i : inputs) {

@@ -28,9 +28,9 @@ struct ReplayEvent {
     std::optional<Message> message;  ///< decoded, if a later node reads its channel
   };
 
-  std::optional<Message> source;                    ///< none: the event is only a flush
-  std::size_t flushed_node = 0;                     ///< for an event without source
-  std::vector<std::unique_ptr<Foreseen>> foreseen;  ///< one per node
+  std::optional<Message> source;                             ///< none: the event is only a flush
+  std::size_t flushed_node = 0;                              ///< for an event without source
+  std::vector<std::unique_ptr<Precomputation>> precomputed;  ///< one per node
   std::deque<Derived> derived;  // a deque: appending does not move what a node is reading
 };
 
@@ -45,9 +45,9 @@ class NodeChain {
   bool is_read(Channel channel) const { return is_read_from(0, channel); }
 
   /// Asks every node for work that can be computed in advance. Call for events in order.
-  void foresee(ReplayEvent& event) const;
+  void precompute(ReplayEvent& event) const;
   /// Computes that work; may run for several events at once.
-  static void compute_foreseen(ReplayEvent& event);
+  static void compute_ahead(ReplayEvent& event);
   /// Passes the event's messages to one node. Call for events in order, after the earlier nodes.
   /// Throws std::logic_error for an output that is invalid, or that this or an earlier node reads.
   void pass(std::size_t node, ReplayEvent& event);

@@ -32,15 +32,15 @@ bool is_second_sensor(const std::string& channel) {
 /// Adds one sentence per problem that the gate found on a channel.
 void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& counts) {
   const std::string name(info(channel).name);
-  if (counts.num_leaps > 0) {
-    report.warnings.push_back(std::to_string(counts.num_leaps) + " " + name +
+  if (counts.num_jumps > 0) {
+    report.warnings.push_back(std::to_string(counts.num_jumps) + " " + name +
                               " messages jump in time or seq and were ignored");
   }
   if (counts.clock_change_s != 0.0) {
     report.warnings.push_back("the clock of the sender of " + name + " was changed by " +
                               fixed_text(counts.clock_change_s, 1) + " s");
   }
-  if (counts.num_contests > 2) {
+  if (counts.num_second_source_signs > 2) {
     report.warnings.push_back(name +
                               " is sent by two sources, or by one that restarts again and again");
   }
@@ -84,7 +84,7 @@ class Gathered {
       held.erase(held.begin(), held.end() - static_cast<std::ptrdiff_t>(num_held));
       return;
     }
-    if (decision == GateDecision::kBelieved) {
+    if (decision == GateDecision::kConfirmed) {
       for (const ReplayEntry& other : held) take(other);
     }
     if (decision != GateDecision::kReordered) held.clear();
@@ -106,8 +106,8 @@ class Gathered {
       const Run run = run_of(taken);
       const auto [num, utime] = runs.at(run);
       const auto next = runs.find({run.first, run.second + 1});
-      return num < SequenceGate::kNumToBelieve && next != runs.end() &&
-             std::abs(next->second.second - utime) > SequenceGate::kLeap_us;
+      return num < SequenceGate::kNumToConfirm && next != runs.end() &&
+             std::abs(next->second.second - utime) > SequenceGate::kJump_us;
     };
     const std::size_t num_before = taken_.size();
     taken_.erase(std::remove_if(taken_.begin(), taken_.end(), is_contradicted), taken_.end());

@@ -56,9 +56,9 @@ struct Plane {
 
 class Matcher {
  public:
-  Matcher(const std::vector<MountView>& views, const BoardOutline& outline)
+  Matcher(const std::vector<ExtrinsicsView>& views, const BoardOutline& outline)
       : views_(views), outline_(outline) {
-    for (const MountView& view : views) {
+    for (const ExtrinsicsView& view : views) {
       planes_.push_back({view.board.normal_camera(), view.board.distance_m()});
     }
   }
@@ -78,8 +78,8 @@ class Matcher {
     return cost;
   }
 
-  Mount refine(const Eigen::Matrix3d& start) const {
-    Mount mount;
+  RigidExtrinsics refine(const Eigen::Matrix3d& start) const {
+    RigidExtrinsics mount;
     mount.R_camera_laser = start;
     double gate_m = kWideGate_m;
     for (int round = 0; round < 4; ++round) mount = step(mount, 1e3, true);
@@ -96,7 +96,7 @@ class Matcher {
   };
 
   /// Finds the line of a view that is nearest to the plane of its board.
-  Match nearest(std::size_t i, const Mount& mount, bool direction_only) const {
+  Match nearest(std::size_t i, const RigidExtrinsics& mount, bool direction_only) const {
     Match best;
     for (std::size_t j = 0; j < views_[i].lines.size(); ++j) {
       const double off_m = off(i, mount, views_[i].lines[j], direction_only);
@@ -105,7 +105,7 @@ class Matcher {
     return best;
   }
 
-  bool on_board(std::size_t i, const Mount& mount, const BoardLine& line) const {
+  bool on_board(std::size_t i, const RigidExtrinsics& mount, const BoardLine& line) const {
     const BoardPose& board = views_[i].board;
     const Eigen::Vector3d p =
         board.R_camera_board.transpose() *
@@ -116,7 +116,7 @@ class Matcher {
   }
 
   /// Fills `out` with the lines within `gate_m` and returns the cost; 1 per view without a line.
-  double judge(const Mount& mount, double gate_m, Association& out) const {
+  double judge(const RigidExtrinsics& mount, double gate_m, Association& out) const {
     out.mount = mount;
     out.line_of_view.assign(views_.size(), -1);
     out.num_fitting = 0;
@@ -142,7 +142,8 @@ class Matcher {
   }
 
  private:
-  double off(std::size_t i, const Mount& mount, const BoardLine& line, bool direction_only) const {
+  double off(std::size_t i, const RigidExtrinsics& mount, const BoardLine& line,
+             bool direction_only) const {
     const Eigen::Vector3d& n = planes_[i].normal;
     const double turn = n.dot(mount.R_camera_laser * in_space(line.direction));
     const double across_m = 0.5 * line.length_m * turn;
@@ -153,7 +154,7 @@ class Matcher {
   }
 
   /// One reweighted Gauss-Newton step (Cauchy weights) with the nearest line of each view.
-  Mount step(const Mount& mount, double gate_m, bool direction_only) const {
+  RigidExtrinsics step(const RigidExtrinsics& mount, double gate_m, bool direction_only) const {
     Matrix6 normal = Matrix6::Zero();
     Vector6 gradient = Vector6::Zero();
     for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -183,7 +184,7 @@ class Matcher {
     Vector6 change = -normal.ldlt().solve(gradient);
     const double turn = change.tail<3>().norm();
     if (turn > 0.3) change *= 0.3 / turn;
-    Mount next = mount;
+    RigidExtrinsics next = mount;
     next.delta_m += change.head<3>();
     const double angle = change.tail<3>().norm();
     if (angle > 1e-12) {
@@ -193,19 +194,19 @@ class Matcher {
     return next;
   }
 
-  const std::vector<MountView>& views_;
+  const std::vector<ExtrinsicsView>& views_;
   const BoardOutline& outline_;
   std::vector<Plane> planes_;
 };
 
-bool same_mount(const Mount& a, const Mount& b) {
+bool same_mount(const RigidExtrinsics& a, const RigidExtrinsics& b) {
   return angle_between(a.R_camera_laser, b.R_camera_laser) < kSameRotation_rad &&
          (a.delta_m - b.delta_m).norm() < kSameShift_m;
 }
 
 }  // namespace
 
-Association associate_board_lines(const std::vector<MountView>& views,
+Association associate_board_lines(const std::vector<ExtrinsicsView>& views,
                                   const BoardOutline& outline) {
   const Matcher matcher(views, outline);
   struct Start {
@@ -221,7 +222,7 @@ Association associate_board_lines(const std::vector<MountView>& views,
   Association best;
   best.line_of_view.assign(views.size(), -1);
   double best_cost = 1e18;
-  std::vector<Mount> all;
+  std::vector<RigidExtrinsics> all;
   for (const Start& start : starts) {
     if (static_cast<int>(tried.size()) >= kMaxStarts) break;
     const bool near = std::any_of(tried.begin(), tried.end(), [&](const Eigen::Matrix3d& R) {
@@ -242,7 +243,7 @@ Association associate_board_lines(const std::vector<MountView>& views,
   const double best_rms_m =
       kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) / std::max(1, best.num_fitting));
   const double rival_gate_m = std::clamp(3.0 * best_rms_m, kMinRivalGate_m, kGate_m);
-  for (const Mount& mount : all) {
+  for (const RigidExtrinsics& mount : all) {
     if (same_mount(mount, best.mount)) continue;
     Association rival;
     matcher.judge(mount, rival_gate_m, rival);

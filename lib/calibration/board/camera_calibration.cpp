@@ -144,15 +144,15 @@ ViewFigures figures_of_outlier(const NamedView& view, const Solution& camera) {
 
 CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int width_px, int height_px,
                                    const CameraCalibrationOptions& options) {
-  if (views.size() < kFewestViews) {
+  if (views.size() < kMinViews) {
     throw std::runtime_error("the board was found in " + std::to_string(views.size()) +
-                             " pictures, but at least " + std::to_string(kFewestViews) +
+                             " pictures, but at least " + std::to_string(kMinViews) +
                              ", better 20, are needed");
   }
   std::vector<const NamedView*> used;
   for (const NamedView& view : views) used.push_back(&view);
   Solution solution = solve(used, {width_px, height_px}, options.estimate_k3);
-  while (used.size() > kFewestViews) {
+  while (used.size() > kMinViews) {
     const std::ptrdiff_t worst = worst_outlier(used, solution, options);
     if (worst < 0) break;
     used.erase(used.begin() + worst);

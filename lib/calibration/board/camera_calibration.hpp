@@ -59,14 +59,14 @@ struct CameraCalibration {
 };
 
 /// Min number of views for a calibration.
-inline constexpr std::size_t kFewestViews = 3;
+inline constexpr std::size_t kMinViews = 3;
 
 /// Estimates the intrinsics from views of one board by Zhang's method (OpenCV). Outlier views are
-/// left out and marked. The result is not judged here; see verdict_on().
+/// left out and marked. The result is not judged here; see rejection_reasons().
 ///
 /// The standard deviations are OpenCV's, corrected: OpenCV 4.6 divides the sum of squares by the
 /// number of corners, although each gives two residuals. Throws std::runtime_error with one
-/// sentence for fewer than kFewestViews or degenerate views.
+/// sentence for fewer than kMinViews or degenerate views.
 CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int width_px, int height_px,
                                    const CameraCalibrationOptions& options = {});
 

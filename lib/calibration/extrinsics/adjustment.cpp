@@ -44,7 +44,7 @@ Eigen::Matrix<T, 3, 1> turned(const T* turn, const Eigen::Matrix<T, 3, 1>& p) {
 
 /// Linearization point of a view's residuals; the unknowns are small changes of it.
 struct Geometry {
-  Mount mount;
+  RigidExtrinsics mount;
   Eigen::Matrix3d R_camera_board;
   Eigen::Vector3d t_camera_board_m;
 };
@@ -135,7 +135,7 @@ class Adjustment {
              const BoardOutline* outline)
       : views_(views), noise_(noise), outline_(outline) {}
 
-  std::optional<MountAdjustment> run(const Mount& start) {
+  std::optional<ExtrinsicsAdjustment> run(const RigidExtrinsics& start) {
     out_.mount = start;
     constexpr int kRounds = 8;
     for (int round = 0; round < kRounds; ++round) {
@@ -358,14 +358,15 @@ class Adjustment {
   const std::vector<AdjustmentView>& views_;
   const RangeNoise& noise_;
   const BoardOutline* outline_;
-  MountAdjustment out_;
+  ExtrinsicsAdjustment out_;
 };
 
 }  // namespace
 
-std::optional<MountAdjustment> adjust_mount(const std::vector<AdjustmentView>& views,
-                                            const Mount& start, const RangeNoise& noise,
-                                            const BoardOutline* outline) {
+std::optional<ExtrinsicsAdjustment> adjust_extrinsics(const std::vector<AdjustmentView>& views,
+                                                      const RigidExtrinsics& start,
+                                                      const RangeNoise& noise,
+                                                      const BoardOutline* outline) {
   if (views.empty()) return std::nullopt;
   return Adjustment(views, noise, outline).run(start);
 }

@@ -26,8 +26,8 @@ struct RangeNoise {
 };
 
 /// Extrinsics estimated by least squares, with covariance and residuals.
-struct MountAdjustment {
-  Mount mount;
+struct ExtrinsicsAdjustment {
+  RigidExtrinsics mount;
   /// Covariance of (delta_m, rotation about the camera's axes [rad]): the true rotation is
   /// exp(rotation) R.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
@@ -53,8 +53,9 @@ struct MountAdjustment {
 /// view are unknowns with priors, so the covariance includes their uncertainty. Foerstner's
 /// variance components give the noise of beams and of scans. None when the equations cannot be
 /// solved.
-std::optional<MountAdjustment> adjust_mount(const std::vector<AdjustmentView>& views,
-                                            const Mount& start, const RangeNoise& noise,
-                                            const BoardOutline* outline);
+std::optional<ExtrinsicsAdjustment> adjust_extrinsics(const std::vector<AdjustmentView>& views,
+                                                      const RigidExtrinsics& start,
+                                                      const RangeNoise& noise,
+                                                      const BoardOutline* outline);
 
 }  // namespace orchard::calibration

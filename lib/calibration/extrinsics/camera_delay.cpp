@@ -126,10 +126,11 @@ void require_observations(const std::vector<DelayObservation>& observations,
 
 }  // namespace
 
-std::vector<DelayObservation> look_at_delay(const detection::LaserFindings& findings,
-                                            const vision::Image& image, const detection::Rig& rig,
-                                            const detection::Motion& motion, double reach_px,
-                                            std::int32_t picture) {
+std::vector<DelayObservation> delay_observations(const detection::LaserFindings& findings,
+                                                 const vision::Image& image,
+                                                 const detection::Rig& rig,
+                                                 const detection::Motion& motion, double reach_px,
+                                                 std::int32_t picture) {
   std::vector<DelayObservation> observations;
   const auto to_exposure = detection::to_picture(findings, image, rig, motion);
   if (!to_exposure) return observations;
@@ -137,7 +138,8 @@ std::vector<DelayObservation> look_at_delay(const detection::LaserFindings& find
   before.first_beam_dt_s -= kRateStep_s;
   after.first_beam_dt_s += kRateStep_s;
   vision::PictureReader reader(image);
-  for (const auto& seen : detection::look_for_edges(findings, reader, rig, motion, reach_px)) {
+  for (const auto& seen :
+       detection::find_candidate_edges(findings, reader, rig, motion, reach_px)) {
     const laser::Segment& segment = findings.candidates[seen.candidate].segment;
     const auto early = detection::view_of(segment, rig, before);
     const auto late = detection::view_of(segment, rig, after);

@@ -17,10 +17,11 @@ struct DelayObservation {
 };
 
 /// Extracts the observations from a scan and its image, with the present delay of `rig`.
-std::vector<DelayObservation> look_at_delay(const detection::LaserFindings& findings,
-                                            const vision::Image& image, const detection::Rig& rig,
-                                            const detection::Motion& motion, double reach_px,
-                                            std::int32_t picture);
+std::vector<DelayObservation> delay_observations(const detection::LaserFindings& findings,
+                                                 const vision::Image& image,
+                                                 const detection::Rig& rig,
+                                                 const detection::Motion& motion, double reach_px,
+                                                 std::int32_t picture);
 
 struct DelayOptions {
   int min_observations = 40;

@@ -14,10 +14,10 @@ namespace orchard::calibration {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Fate = LaserCameraView::Fate;
+using ViewStatus = LaserCameraView::ViewStatus;
 
 /// Jacobian of (delta, phi) with respect to (delta, rotation), by numeric differentiation.
-Matrix6 angles_jacobian(const Mount& mount) {
+Matrix6 angles_jacobian(const RigidExtrinsics& mount) {
   Matrix6 jacobian = Matrix6::Identity();
   constexpr double kStep_rad = 1e-6;
   for (int axis = 0; axis < 3; ++axis) {
@@ -50,7 +50,7 @@ constexpr int kSizeRounds = 4;
 
 class Calibration {
  public:
-  Calibration(const std::vector<MountView>& views, const BoardOutline& outline,
+  Calibration(const std::vector<ExtrinsicsView>& views, const BoardOutline& outline,
               const LaserCameraOptions& options)
       : views_(views), outline_(outline), options_(options) {
     out_.views.resize(views.size());
@@ -73,7 +73,7 @@ class Calibration {
       boards.push_back(views_[i].board);
       if (!views_[i].lines.empty()) {
         ++num_with_line;
-        out_.views[i].fate = Fate::kNotSeen;
+        out_.views[i].status = ViewStatus::kNotSeen;
       }
     }
     if (num_with_line < options_.min_views) {
@@ -112,8 +112,8 @@ class Calibration {
   }
 
   /// The views as they would be if the board were `size` times as large as stated.
-  static std::vector<MountView> resized(std::vector<MountView> views, double size) {
-    for (MountView& view : views) {
+  static std::vector<ExtrinsicsView> resized(std::vector<ExtrinsicsView> views, double size) {
+    for (ExtrinsicsView& view : views) {
       view.board.t_camera_board_m *= size;
       view.board.covariance.bottomRows<3>() *= size;
       view.board.covariance.rightCols<3>() *= size;
@@ -134,8 +134,8 @@ class Calibration {
 
   /// Adjusts mount and board size, leaving out the views that disagree most until all agree. None
   /// if too many would have to be left out.
-  std::optional<MountAdjustment> adjust_size(const std::vector<MountView>& views,
-                                             const Association& association) const {
+  std::optional<ExtrinsicsAdjustment> adjust_size(const std::vector<ExtrinsicsView>& views,
+                                                  const Association& association) const {
     std::vector<AdjustmentView> chosen;
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (association.line_of_view[i] < 0) continue;
@@ -151,7 +151,7 @@ class Calibration {
           left_out > options_.outlier_fraction_max * num_first) {
         return std::nullopt;
       }
-      auto adjusted = adjust_mount(chosen, association.mount, any_size, nullptr);
+      auto adjusted = adjust_extrinsics(chosen, association.mount, any_size, nullptr);
       if (!adjusted || !(adjusted->scale < 0.5)) return std::nullopt;
       const auto worst = std::max_element(
           adjusted->views.begin(), adjusted->views.end(),
@@ -164,7 +164,7 @@ class Calibration {
   /// Estimates the true over stated size of the board from the ranges: distances from the images
   /// are proportional to the stated size, those of the scanner are not. Sets board_scale and
   /// returns true if the size differs.
-  bool find_board_scale(const std::vector<MountView>& views, const BoardOutline& outline,
+  bool find_board_scale(const std::vector<ExtrinsicsView>& views, const BoardOutline& outline,
                         const Association& stated) {
     // If no mount fits the stated size, start from one that fits another size.
     constexpr std::array<double, 11> kSizes{1.0, 0.9,  1.1,  0.85, 1.15, 0.8,
@@ -215,27 +215,27 @@ class Calibration {
       used.push_back(i);
     }
     const std::size_t num_first = used.size();
-    std::optional<MountAdjustment> adjustment;
+    std::optional<ExtrinsicsAdjustment> adjustment;
     for (;;) {
       std::vector<AdjustmentView> chosen;
       for (const std::size_t i : used) {
         const auto line = static_cast<std::size_t>(out_.views[i].line);
         chosen.push_back({views_[i].board, views_[i].lines[line], views_[i].num_scans});
       }
-      adjustment = adjust_mount(chosen, association.mount, options_.noise,
-                                options_.use_edges ? &outline_ : nullptr);
+      adjustment = adjust_extrinsics(chosen, association.mount, options_.noise,
+                                     options_.use_edges ? &outline_ : nullptr);
       if (!adjustment) return "the extrinsics could not be estimated; record again";
       std::size_t worst = 0;
       for (std::size_t k = 0; k < used.size(); ++k) {
         auto& view = out_.views[used[k]];
-        view.fate = Fate::kUsed;
+        view.status = ViewStatus::kUsed;
         view.rms_m = adjustment->views[k].rms_m;
         view.mean_m = adjustment->views[k].mean_m;
         view.disagreement = adjustment->views[k].disagreement;
         if (view.disagreement > out_.views[used[worst]].disagreement) worst = k;
       }
       if (out_.views[used[worst]].disagreement <= options_.disagreement_max) break;
-      out_.views[used[worst]].fate = Fate::kOutlier;
+      out_.views[used[worst]].status = ViewStatus::kOutlier;
       used.erase(used.begin() + static_cast<std::ptrdiff_t>(worst));
       const double left_out = static_cast<double>(num_first - used.size());
       if (left_out > options_.outlier_fraction_max * static_cast<double>(num_first) ||
@@ -249,7 +249,7 @@ class Calibration {
     }
     Association kept = association;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      if (out_.views[i].fate != Fate::kUsed) kept.line_of_view[i] = -1;
+      if (out_.views[i].status != ViewStatus::kUsed) kept.line_of_view[i] = -1;
     }
     kept.num_fitting = static_cast<int>(views_.size());
     if (find_board_scale(views_, outline_, kept)) return wrong_size();
@@ -275,7 +275,7 @@ class Calibration {
                                   options_.turn_sd_max_rad, out_.motion);
   }
 
-  const std::vector<MountView>& views_;
+  const std::vector<ExtrinsicsView>& views_;
   const BoardOutline& outline_;
   const LaserCameraOptions& options_;
   LaserCameraCalibration out_;
@@ -302,7 +302,7 @@ BoardLineSearch line_search(const BoardOutline& outline, const laser::LaserConfi
   return search;
 }
 
-LaserCameraCalibration calibrate_laser_camera(const std::vector<MountView>& views,
+LaserCameraCalibration calibrate_laser_camera(const std::vector<ExtrinsicsView>& views,
                                               const BoardOutline& outline,
                                               const LaserCameraOptions& options) {
   return Calibration(views, outline, options).run();

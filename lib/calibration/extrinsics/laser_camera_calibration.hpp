@@ -34,9 +34,9 @@ BoardLineSearch line_search(const BoardOutline& outline, const laser::LaserConfi
 
 /// Result for one view.
 struct LaserCameraView {
-  enum class Fate { kUsed, kNoLine, kNotSeen, kOutlier };
-  Fate fate = Fate::kNoLine;
-  int line = -1;  ///< index into MountView::lines
+  enum class ViewStatus { kUsed, kNoLine, kNotSeen, kOutlier };
+  ViewStatus status = ViewStatus::kNoLine;
+  int line = -1;  ///< index into ExtrinsicsView::lines
   double rms_m = 0.0;
   double mean_m = 0.0;  ///< mean signed distance of its points, positive beyond the board
   double disagreement = 0.0;
@@ -48,7 +48,7 @@ struct LaserCameraCalibration {
   /// True over stated size of a board whose size was stated wrongly, by the ranges; 0 otherwise.
   double board_scale = 0.0;
   double board_scale_sd = 0.0;
-  Mount mount;
+  RigidExtrinsics mount;
   geometry::LaserCameraExtrinsics extrinsics;  ///< the same in the form of eqs. 1 and 2
   /// Covariance of (delta_m, rotation about the camera's axes [rad]).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
@@ -70,7 +70,7 @@ struct LaserCameraCalibration {
 /// Reasons for rejection: too few views, a board that only one sensor saw, degenerate motion, a
 /// result that is too uncertain. Deterministic.
 /// Source: Kassir and Peynot, ACRA 2010; Zhang and Pless, IROS 2004.
-LaserCameraCalibration calibrate_laser_camera(const std::vector<MountView>& views,
+LaserCameraCalibration calibrate_laser_camera(const std::vector<ExtrinsicsView>& views,
                                               const BoardOutline& outline,
                                               const LaserCameraOptions& options);
 

@@ -38,8 +38,8 @@ std::string camera_direction(const Eigen::Vector3d& direction_camera);
 /// are. Needs no scan.
 std::string degenerate_motion(const BoardMotion& motion);
 
-/// Names the weakest direction if the covariance (as in MountAdjustment) exceeds the limits; empty
-/// when every standard deviation is within them.
+/// Names the weakest direction if the covariance (as in ExtrinsicsAdjustment) exceeds the limits;
+/// empty when every standard deviation is within them.
 std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance,
                                    double shift_sd_max_m, double turn_sd_max_rad,
                                    const BoardMotion& motion);

@@ -33,7 +33,7 @@ constexpr double kDoubtful_sigma = 3.0;
 /// Largest difference from the mean width with which an object may be a trunk [m].
 double doubtful_width_m(const TrunkModel& model) {
   double squares_m2 = 0.0;
-  for (const ThingSeen& seen : model.things) {
+  for (const ObservedObject& seen : model.things) {
     if (seen.is_trunk) squares_m2 += geometry::square(seen.median_width_m - model.width_mean_m);
   }
   return std::max(model.width_spread * model.width_mean_m,
@@ -45,7 +45,7 @@ double doubtful_width_m(const TrunkModel& model) {
 constexpr double kWalks = 3.0;
 
 /// RMS distance of an object's observations from their mean [m].
-double scatter_m(const ThingSeen& seen, const std::vector<TrunkObservation>& observations) {
+double scatter_m(const ObservedObject& seen, const std::vector<TrunkObservation>& observations) {
   double x_m = 0.0, y_m = 0.0, squares_m2 = 0.0;
   const auto n = static_cast<double>(std::max<std::size_t>(1, seen.observations.size()));
   for (const std::size_t i : seen.observations) {
@@ -62,18 +62,19 @@ double scatter_m(const ThingSeen& seen, const std::vector<TrunkObservation>& obs
 /// Scatter from which on an object walks [m].
 double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>& observations) {
   std::vector<double> of_trunks_m;
-  for (const ThingSeen& seen : model.things) {
+  for (const ObservedObject& seen : model.things) {
     if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
   }
   return of_trunks_m.empty() ? 0.0 : kWalks * geometry::median(std::move(of_trunks_m));
 }
 
-bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model, double limit_m) {
+bool may_be_trunk(const ObservedObject& seen, const TrunkModel& model, double limit_m) {
   return !seen.is_trunk && !model.is_picked &&
          std::abs(seen.median_width_m - model.width_mean_m) <= limit_m;
 }
 
-double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& observations,
+double mean_confidence(const ObservedObject& seen,
+                       const std::vector<TrunkObservation>& observations,
                        const vision::AppearanceConfig& config) {
   double sum = 0.0, n = 0.0;
   for (const std::size_t i : spread(seen.observations)) {
@@ -103,7 +104,7 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
   const double limit_m = doubtful_width_m(model), walks_m = walks_from_m(model, observations);
   std::vector<std::size_t> doubtful;
   for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
-    const ThingSeen& seen = model.things[thing];
+    const ObservedObject& seen = model.things[thing];
     if (may_be_trunk(seen, model, limit_m) && scatter_m(seen, observations) < walks_m) {
       doubtful.push_back(thing);
       continue;
@@ -120,7 +121,7 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
   appearance.fit = learn_appearance(samples);
   const std::size_t num_sure = samples.size();
   for (const std::size_t thing : doubtful) {
-    const ThingSeen& seen = model.things[thing];
+    const ObservedObject& seen = model.things[thing];
     if (mean_confidence(seen, observations, appearance.fit.config) > kSurelyNone) continue;
     for (const std::size_t i : spread(seen.observations)) {
       for (const auto& window : observations[i].on) take(window, false, static_cast<int>(thing));
@@ -134,7 +135,7 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
                                                const TrunkModel& model) {
   std::vector<double> blue, red, green;
-  for (const ThingSeen& seen : model.things) {
+  for (const ObservedObject& seen : model.things) {
     std::vector<double> of_thing[3];
     for (const std::size_t i : seen.observations) {
       if (!seen.is_trunk || !observations[i].light) continue;

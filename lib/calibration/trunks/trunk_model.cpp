@@ -26,10 +26,10 @@ constexpr double kOutlier = 3.5;
 constexpr double kSameColour = 0.5;
 
 struct Thing {
-  ThingSeen seen;
+  ObservedObject seen;
   std::int64_t last_utime = 0;
   bool in_map = false;
-  bool stands_alone = true;  ///< nothing else was observed beside it
+  bool is_separate = true;  ///< nothing else was observed beside it
   std::optional<vision::WindowLight> colour;
 };
 
@@ -93,7 +93,7 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observatio
 void find_neighbours(std::vector<Thing>& things, const TrunkModelOptions& options) {
   for (Thing& thing : things) {
     if (!thing.in_map) continue;
-    thing.stands_alone = std::none_of(things.begin(), things.end(), [&](const Thing& other) {
+    thing.is_separate = std::none_of(things.begin(), things.end(), [&](const Thing& other) {
       if (&other == &thing || other.seen.log != thing.seen.log || !other.in_map) return false;
       if (other.seen.num_observations < options.min_observations) return false;
       const double apart_m =
@@ -141,7 +141,7 @@ std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
                                             const std::vector<bool>& taken, bool has_hue,
                                             const TrunkModelOptions& options) {
   const auto counts = [&](std::size_t i) {
-    return !taken[i] && things[i].stands_alone &&
+    return !taken[i] && things[i].is_separate &&
            things[i].seen.num_observations >= options.min_observations;
   };
   std::vector<std::size_t> best;
@@ -232,8 +232,9 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
 }
 
 /// Warns when the trunks themselves form two groups.
-void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
-                        const TrunkModelOptions& options, TrunkModel& model) {
+void warn_of_two_populations(const std::vector<Thing>& things,
+                             const std::vector<std::size_t>& trunks,
+                             const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<double> widths_m;
   for (const std::size_t i : trunks) widths_m.push_back(things[i].seen.median_width_m);
   if (widths_m.size() < 8) return;
@@ -260,13 +261,13 @@ std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
 }
 
 std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
-                                         const std::vector<PickedPlace>& places, double gate_m) {
+                                         const std::vector<PickedTrunk>& places, double gate_m) {
   std::vector<std::size_t> picked;
   std::string unseen;
-  for (const PickedPlace& place : places) {
+  for (const PickedTrunk& place : places) {
     const auto before = picked.size();
     for (std::size_t i = 0; i < things.size(); ++i) {
-      const ThingSeen& seen = things[i].seen;
+      const ObservedObject& seen = things[i].seen;
       if (!things[i].in_map || std::hypot(seen.x_m - place.x_m, seen.y_m - place.y_m) > gate_m) {
         continue;
       }
@@ -287,8 +288,8 @@ std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
 std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_hue,
                                      const TrunkModelOptions& options) {
   if (!options.picked.empty()) return picked_by_number(things, options.picked);
-  if (!options.picked_places.empty()) {
-    return picked_by_place(things, options.picked_places, options.gate_m);
+  if (!options.picked_trunks.empty()) {
+    return picked_by_place(things, options.picked_trunks, options.gate_m);
   }
   auto trunks = largest_population(things, std::vector<bool>(things.size()), has_hue, options);
   if (trunks.empty()) {
@@ -303,7 +304,7 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
 /// Empty if the growth is not significant.
 std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& observations,
                                         const TrunkModelOptions& options, TrunkModel& model) {
-  std::vector<SpotObservation> of_trunks;
+  std::vector<SpotWidth> of_trunks;
   for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
     if (!model.things[thing].is_trunk) continue;
     for (const std::size_t i : model.things[thing].observations) {
@@ -311,7 +312,7 @@ std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& obs
                            observations[i].beam_step_rad, observations[i].width_m});
     }
   }
-  model.spot = spot_growth(of_trunks, options.fewest_beams);
+  model.spot = fit_spot_divergence(of_trunks, options.min_beams);
   const double growth = model.spot && model.spot->significant() ? model.spot->divergence_rad : 0.0;
   std::vector<double> all_m;
   for (const TrunkObservation& observation : observations)
@@ -346,7 +347,7 @@ void measure_width(const std::vector<double>& all_m, std::vector<std::size_t>& u
 TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observations,
                                 const TrunkModelOptions& options) {
   TrunkModel model;
-  model.is_picked = !options.picked.empty() || !options.picked_places.empty();
+  model.is_picked = !options.picked.empty() || !options.picked_trunks.empty();
   model.width_spread = options.width_spread;
   model.has_hue = std::any_of(
       observations.begin(), observations.end(),
@@ -384,7 +385,7 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
     }
   }
   compare_populations(things, trunks, model.has_hue, options, model);
-  look_for_two_kinds(things, trunks, options, model);
+  warn_of_two_populations(things, trunks, options, model);
   if (model.num_trunks < options.wanted_trunks) {
     model.warnings.push_back("only " + std::to_string(model.num_trunks) + " trunks were found; " +
                              std::to_string(options.wanted_trunks) +

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "calibration/trunks/spot_growth.hpp"
+#include "calibration/trunks/spot_divergence.hpp"
 #include "calibration/trunks/trunk_observation.hpp"
 #include "calibration/trunks/width_by_range.hpp"
 
 namespace orchard::calibration {
 
 /// Position of a trunk picked by the user.
-struct PickedPlace {
+struct PickedTrunk {
   int id = 0;  ///< of the landmark in an earlier map
   double x_m = 0.0;
   double y_m = 0.0;
@@ -22,7 +22,7 @@ struct PickedPlace {
 struct TrunkModelOptions {
   int wanted_trunks = 20;        ///< fewer trunks give a warning
   int min_observations = 3;      ///< min number of observations of a trunk
-  int fewest_beams = 4;          ///< ObserveOptions::min_beams of the observations
+  int min_beams = 4;             ///< ObserveOptions::min_beams of the observations
   double gate_m = 0.3;           ///< association gate
   double width_spread = 0.25;    ///< max relative difference of a trunk from the typical width
   double hue_spread_deg = 20.0;  ///< max difference from the typical dominant hue
@@ -32,11 +32,11 @@ struct TrunkModelOptions {
   double separation_min = 4.0;   ///< min separation of populations in pooled standard deviations
   double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
   std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic
-  std::vector<PickedPlace> picked_places;  ///< or positions of the trunks in map
+  std::vector<PickedTrunk> picked_trunks;  ///< or positions of the trunks in map
 };
 
 /// One object that was observed several times.
-struct ThingSeen {
+struct ObservedObject {
   int log = 0;
   double x_m = 0.0;  ///< mean position, or the last one if there were no poses
   double y_m = 0.0;
@@ -53,15 +53,15 @@ struct TrunkModel {
   double width_sd_m = 0.0;  ///< of single observations: scatter of the trunks and of the scanner
   WidthByRange width_by_range;
   /// Growth by the laser spot in addition to the rig's; subtracted from the widths if significant.
-  std::optional<SpotGrowth> spot;
+  std::optional<SpotDivergence> spot;
   bool has_hue = false;
   double hue_min_deg = 0.0;  ///< circular interval, may wrap through red
   double hue_max_deg = 0.0;
   bool is_picked = false;      ///< the trunks were picked by the user
   double width_spread = 0.25;  ///< as in TrunkModelOptions
   int num_trunks = 0;
-  int num_observations = 0;       ///< number of used observations of trunks
-  std::vector<ThingSeen> things;  ///< all objects, in order of log and first observation
+  int num_observations = 0;            ///< number of used observations of trunks
+  std::vector<ObservedObject> things;  ///< all objects, in order of log and first observation
   std::vector<std::string> warnings;
 };
 

@@ -88,12 +88,12 @@ bool same(const AdaptedModel& a, const AdaptedModel& b) {
 
 }  // namespace
 
-vision::ChannelGains undoing(const Light& light) {
+vision::ChannelGains light_correction_gains(const Light& light) {
   const double green = std::exp(-light.green);
   return {green * std::exp(-light.blue), green, green * std::exp(-light.red)};
 }
 
-void Adaptation::Follower::add(double observation) {
+void Adaptation::RunningMean::add(double observation) {
   ++num_observations;
   value += std::max(1.0 / num_observations, kNewestWeight) * (observation - value);
 }
@@ -113,70 +113,74 @@ std::vector<AdaptationStep> Adaptation::add(
   std::vector<AdaptationStep> steps;
   if (utime <= last_utime_) return steps;  // ignore scans out of order
   last_utime_ = utime;
-  for (const AdaptationObservation& observation : observations) follow(utime, observation);
+  for (const AdaptationObservation& observation : observations)
+    track_observation(utime, observation);
   if (considered_utime_ == INT64_MIN) considered_utime_ = utime;
   const std::int64_t period_us = timing::microseconds(config_.period_s);
   const std::int64_t since_us = utime - considered_utime_;
   if (since_us < period_us) return steps;
   considered_utime_ = utime;
   const std::int64_t oldest = utime - timing::microseconds(kWindow_s);
-  things_.erase(std::remove_if(things_.begin(), things_.end(),
-                               [&](const Thing& thing) { return thing.last_utime < oldest; }),
-                things_.end());
+  objects_.erase(
+      std::remove_if(objects_.begin(), objects_.end(),
+                     [&](const TrackedObject& object) { return object.last_utime < oldest; }),
+      objects_.end());
   // A pause without scans gave no information, so it must not allow a larger step.
-  consider(1e-6 * static_cast<double>(std::min(since_us, 2 * period_us)), steps);
+  adapt_models(1e-6 * static_cast<double>(std::min(since_us, 2 * period_us)), steps);
   return steps;
 }
 
-void Adaptation::follow(std::int64_t utime, const AdaptationObservation& observation) {
-  Thing* nearest = nullptr;
+void Adaptation::track_observation(std::int64_t utime, const AdaptationObservation& observation) {
+  TrackedObject* nearest = nullptr;
   double nearest_m = kSameThing_m;
-  for (Thing& thing : things_) {
-    if (thing.last_utime == utime || utime - thing.last_utime > kLostAfter_us) continue;
-    const double distance_m = std::hypot(thing.x_m - observation.x_m, thing.y_m - observation.y_m);
+  for (TrackedObject& object : objects_) {
+    if (object.last_utime == utime || utime - object.last_utime > kLostAfter_us) continue;
+    const double distance_m =
+        std::hypot(object.x_m - observation.x_m, object.y_m - observation.y_m);
     if (distance_m < nearest_m) {
       nearest_m = distance_m;
-      nearest = &thing;
+      nearest = &object;
     }
   }
-  if (!nearest) nearest = &things_.emplace_back();
+  if (!nearest) nearest = &objects_.emplace_back();
   nearest->last_utime = utime;
   nearest->x_m = observation.x_m;
   nearest->y_m = observation.y_m;
-  teach(*nearest, observation);
+  update_object(*nearest, observation);
 }
 
-void Adaptation::teach(Thing& thing, const AdaptationObservation& observation) const {
-  ++thing.num_observations;
+void Adaptation::update_object(TrackedObject& object,
+                               const AdaptationObservation& observation) const {
+  ++object.num_observations;
   const bool by_laser = observation.roc_laser >= kTeachingRocLaser;
   const bool by_camera = observation.roc_vision >= kTeachingRocVision;
-  if (by_laser) ++thing.num_by_laser;
-  if (by_laser && by_camera) ++thing.num_confirmed;
-  if (by_camera) thing.width_m.add(observation.width_m);
+  if (by_laser) ++object.num_by_laser;
+  if (by_laser && by_camera) ++object.num_confirmed;
+  if (by_camera) object.width_m.add(observation.width_m);
   if (!by_laser || !observation.light || observation.roc_colour < kTeachingRocColour) return;
-  thing.raw_blue.add(observation.light->blue);
-  thing.raw_red.add(observation.light->red);
-  thing.raw_green.add(observation.light->green);
+  object.raw_blue.add(observation.light->blue);
+  object.raw_red.add(observation.light->red);
+  object.raw_green.add(observation.light->green);
   if (!reference_) return;
   const double blue = observation.light->blue - reference_->blue;
   const double red = observation.light->red - reference_->red;
   if (std::abs(blue - model_.light.blue) > kColourGate) return;
   if (std::abs(red - model_.light.red) > kColourGate) return;
-  thing.blue.add(blue);
-  thing.red.add(red);
-  thing.green.add(observation.light->green - reference_->green);
-  thing.blue_residual.add(blue - model_.light.blue);
-  thing.red_residual.add(red - model_.light.red);
+  object.blue.add(blue);
+  object.red.add(red);
+  object.green.add(observation.light->green - reference_->green);
+  object.blue_residual.add(blue - model_.light.blue);
+  object.red_residual.add(red - model_.light.red);
 }
 
 /// Sets the reference colour if none was calibrated: that of the first trees of the drive.
 void Adaptation::find_reference() {
   std::vector<double> blue, red, green;
-  for (const Thing& thing : things_) {
-    if (thing.raw_blue.num_observations == 0) continue;
-    blue.push_back(thing.raw_blue.value);
-    red.push_back(thing.raw_red.value);
-    green.push_back(thing.raw_green.value);
+  for (const TrackedObject& object : objects_) {
+    if (object.raw_blue.num_observations == 0) continue;
+    blue.push_back(object.raw_blue.value);
+    red.push_back(object.raw_red.value);
+    green.push_back(object.raw_green.value);
   }
   if (blue.size() < static_cast<std::size_t>(config_.min_trees)) return;
   reference_ = vision::WindowLight{middle_of(blue), middle_of(red), middle_of(green)};
@@ -186,23 +190,23 @@ Adaptation::Evidence Adaptation::gather() const {
   Evidence evidence;
   const auto enough = static_cast<std::size_t>(kWindowTrees);
   int num_judged = 0, num_confirmed = 0;
-  for (auto thing = things_.rbegin(); thing != things_.rend(); ++thing) {
-    if (thing->width_m.num_observations > 0 && evidence.widths_m.size() < enough) {
-      evidence.widths_m.push_back(thing->width_m.value);
+  for (auto object = objects_.rbegin(); object != objects_.rend(); ++object) {
+    if (object->width_m.num_observations > 0 && evidence.widths_m.size() < enough) {
+      evidence.widths_m.push_back(object->width_m.value);
     }
-    if (thing->blue.num_observations > 0 && evidence.blue.size() < enough) {
-      evidence.blue.push_back(thing->blue.value);
-      evidence.red.push_back(thing->red.value);
-      evidence.green.push_back(thing->green.value);
-      evidence.blue_residual.push_back(thing->blue_residual.value);
-      evidence.red_residual.push_back(thing->red_residual.value);
+    if (object->blue.num_observations > 0 && evidence.blue.size() < enough) {
+      evidence.blue.push_back(object->blue.value);
+      evidence.red.push_back(object->red.value);
+      evidence.green.push_back(object->green.value);
+      evidence.blue_residual.push_back(object->blue_residual.value);
+      evidence.red_residual.push_back(object->red_residual.value);
     }
-    if (2 * thing->num_by_laser < thing->num_observations) continue;
+    if (2 * object->num_by_laser < object->num_observations) continue;
     if (evidence.num_by_laser >= kWindowTrees) continue;
     ++evidence.num_by_laser;
-    const int num_observations = std::min(thing->num_by_laser, kMaxObservations);
+    const int num_observations = std::min(object->num_by_laser, kMaxObservations);
     num_judged += num_observations;
-    if (2 * thing->num_confirmed >= thing->num_by_laser) num_confirmed += num_observations;
+    if (2 * object->num_confirmed >= object->num_by_laser) num_confirmed += num_observations;
   }
   if (evidence.num_by_laser > 0) {
     evidence.confident_share = static_cast<double>(num_confirmed) / num_judged;
@@ -210,7 +214,7 @@ Adaptation::Evidence Adaptation::gather() const {
   return evidence;
 }
 
-AdaptationReason Adaptation::width_obstacle(const Evidence& evidence) const {
+AdaptationReason Adaptation::width_freeze_reason(const Evidence& evidence) const {
   if (evidence.widths_m.size() < static_cast<std::size_t>(config_.min_trees)) {
     return AdaptationReason::kTooFewTrees;
   }
@@ -219,7 +223,7 @@ AdaptationReason Adaptation::width_obstacle(const Evidence& evidence) const {
   return two ? AdaptationReason::kTwoPopulations : AdaptationReason::kNone;
 }
 
-AdaptationReason Adaptation::light_obstacle(const Evidence& evidence) const {
+AdaptationReason Adaptation::light_freeze_reason(const Evidence& evidence) const {
   if (evidence.blue.size() < static_cast<std::size_t>(config_.min_trees)) {
     return AdaptationReason::kTooFewTrees;
   }
@@ -245,7 +249,7 @@ AdaptationStep Adaptation::step_of(AdaptationAction action, AdaptationReason rea
 /// Updates the last good state, or rolls the model back if the confirmed fraction has collapsed.
 /// Returns whether it has collapsed. After a rollback the objects observed with the rejected model
 /// are dropped.
-bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& steps) {
+bool Adaptation::roll_back(const Evidence& evidence, std::vector<AdaptationStep>& steps) {
   const double fraction = evidence.confident_share;
   if (fraction >= kStillGood * good_fraction_) {
     good_fraction_ +=
@@ -260,30 +264,30 @@ bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& 
   last_good_ = model_;
   const auto action = has_moved ? AdaptationAction::kRollback : AdaptationAction::kReset;
   steps.push_back(step_of(action, AdaptationReason::kConfidenceCollapsed, evidence));
-  things_.clear();
+  objects_.clear();
   return true;
 }
 
-void Adaptation::consider(double dt_s, std::vector<AdaptationStep>& steps) {
+void Adaptation::adapt_models(double dt_s, std::vector<AdaptationStep>& steps) {
   if (!reference_) find_reference();
   const Evidence evidence = gather();
   AdaptationReason width = AdaptationReason::kTooFewTrees, light = width;
   if (evidence.num_by_laser >= config_.min_trees) {
-    if (go_back(evidence, steps)) {
+    if (roll_back(evidence, steps)) {
       width = light = AdaptationReason::kConfidenceCollapsed;
     } else if (evidence.confident_share < kAgreementMin) {
       width = light = AdaptationReason::kSensorsDisagree;
     } else {
-      width = width_obstacle(evidence);
-      light = light_obstacle(evidence);
+      width = width_freeze_reason(evidence);
+      light = light_freeze_reason(evidence);
     }
   }
-  const AdaptationReason obstacle = std::max(width, light);
-  if (obstacle != frozen_) {
-    const auto action =
-        obstacle == AdaptationReason::kNone ? AdaptationAction::kResume : AdaptationAction::kFreeze;
-    frozen_ = obstacle;
-    steps.push_back(step_of(action, obstacle, evidence));
+  const AdaptationReason freeze_reason = std::max(width, light);
+  if (freeze_reason != frozen_) {
+    const auto action = freeze_reason == AdaptationReason::kNone ? AdaptationAction::kResume
+                                                                 : AdaptationAction::kFreeze;
+    frozen_ = freeze_reason;
+    steps.push_back(step_of(action, freeze_reason, evidence));
   }
   const AdaptedModel before = model_;
   const double fraction = std::min(dt_s / config_.smoothing_s, 1.0);

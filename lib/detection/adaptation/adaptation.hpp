@@ -45,23 +45,23 @@ class Adaptation {
 
  private:
   /// Running mean of one quantity of an object, with a minimum weight of the newest observation.
-  struct Follower {
+  struct RunningMean {
     double value = 0.0;
     int num_observations = 0;
     void add(double observation);
   };
   /// One object, tracked from scan to scan.
-  struct Thing {
+  struct TrackedObject {
     std::int64_t last_utime = 0;
     double x_m = 0.0;  ///< in base, when last seen
     double y_m = 0.0;
     int num_observations = 0;
     int num_by_laser = 0;   ///< observations confirmed by the laser
     int num_confirmed = 0;  ///< observations confirmed by laser and camera
-    Follower width_m;
-    Follower blue, red, green;             ///< relative to the reference
-    Follower blue_residual, red_residual;  ///< relative to the model at that time
-    Follower raw_blue, raw_red, raw_green;
+    RunningMean width_m;
+    RunningMean blue, red, green;             ///< relative to the reference
+    RunningMean blue_residual, red_residual;  ///< relative to the model at that time
+    RunningMean raw_blue, raw_red, raw_green;
   };
   /// Values of the newest objects, from which the model is updated.
   struct Evidence {
@@ -71,14 +71,14 @@ class Adaptation {
     double confident_share = 0.0;
   };
 
-  void follow(std::int64_t utime, const AdaptationObservation& observation);
-  void teach(Thing& thing, const AdaptationObservation& observation) const;
+  void track_observation(std::int64_t utime, const AdaptationObservation& observation);
+  void update_object(TrackedObject& object, const AdaptationObservation& observation) const;
   void find_reference();
   Evidence gather() const;
-  void consider(double dt_s, std::vector<AdaptationStep>& steps);
-  bool go_back(const Evidence& evidence, std::vector<AdaptationStep>& steps);
-  AdaptationReason width_obstacle(const Evidence& evidence) const;
-  AdaptationReason light_obstacle(const Evidence& evidence) const;
+  void adapt_models(double dt_s, std::vector<AdaptationStep>& steps);
+  bool roll_back(const Evidence& evidence, std::vector<AdaptationStep>& steps);
+  AdaptationReason width_freeze_reason(const Evidence& evidence) const;
+  AdaptationReason light_freeze_reason(const Evidence& evidence) const;
   AdaptationStep step_of(AdaptationAction action, AdaptationReason reason,
                          const Evidence& evidence);
 
@@ -89,13 +89,13 @@ class Adaptation {
   double good_fraction_ = 0.0;  ///< confirmed fraction of the last good state
   AdaptationReason frozen_ = AdaptationReason::kNone;
   std::optional<vision::WindowLight> reference_;
-  std::deque<Thing> things_;  ///< in order of the first observation
+  std::deque<TrackedObject> objects_;  ///< in order of the first observation
   std::int64_t last_utime_ = INT64_MIN;
   std::int64_t considered_utime_ = INT64_MIN;
   std::int32_t next_seq_ = 0;
 };
 
 /// Gains that correct an image from the present light to that of the calibration.
-vision::ChannelGains undoing(const Light& light);
+vision::ChannelGains light_correction_gains(const Light& light);
 
 }  // namespace orchard::detection

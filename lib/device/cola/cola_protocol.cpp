@@ -59,10 +59,10 @@ std::string_view name_in_ident(std::string_view telegram) {
 
 }  // namespace
 
-ColaProtocol::ColaProtocol() : ScannerTalk(kClock_bits, kTick_us) {}
+ColaProtocol::ColaProtocol() : ScannerSession(kClock_bits, kTick_us) {}
 
 void ColaProtocol::connected(std::int64_t host_utime) {
-  forget_talk();
+  reset_session();
   model_ = {};
   range_.reset();
   ask(Step::kStop, host_utime);
@@ -148,7 +148,7 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
 
 void ColaProtocol::expire(std::int64_t host_utime) {
   if (step_ == Step::kStream) {
-    if (may_begin_anew()) ask(Step::kStop, host_utime);
+    if (may_restart()) ask(Step::kStop, host_utime);
     return;
   }
   if (step_ != Step::kStop && step_ != Step::kStart) return go_on(false, host_utime);

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "device/cola/cola_scan.hpp"
-#include "device/scanner_talk.hpp"
+#include "device/scanner_session.hpp"
 
 namespace orchard::device {
 
@@ -15,7 +15,7 @@ namespace orchard::device {
 /// scanner, identifies it, enables intensities where permitted, and subscribes to every sweep.
 ///
 /// CoLa-A has no checksum: TCP protects the bytes, and every field of a telegram is validated.
-class ColaProtocol : public ScannerTalk {
+class ColaProtocol : public ScannerSession {
  public:
   ColaProtocol();
 

@@ -40,12 +40,12 @@ std::string quoted(std::string_view text) {
 
 GpsdProtocol::GpsdProtocol(const GnssDriverConfig& config)
     : config_(config), lines_(kLongestLine_bytes), clock_(32, 1.0), receiver_(config.receiver) {
-  clock_.set_least_delay(1e6 * config.latency_s);
+  clock_.set_min_delay(1e6 * config.latency_s);
 }
 
 void GpsdProtocol::connected(std::int64_t host_utime) {
   lines_.restart(false);
-  clock_.begin_talk();
+  clock_.begin_connection();
   noise_.reset();
   has_receivers_.reset();
   error_.clear();

@@ -51,7 +51,7 @@ ControllerProtocol::ControllerProtocol(const OdometryDriverConfig& odometry,
 void ControllerProtocol::connected(std::int64_t host_utime) {
   lines_.restart(true);
   ticks_.restart();
-  clock_.begin_talk();
+  clock_.begin_connection();
   needs_checksum_ = false;
   is_given_up_ = false;
   is_silent_ = true;

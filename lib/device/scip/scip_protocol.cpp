@@ -24,10 +24,10 @@ constexpr std::array<std::string_view, 7> kCommands = {"QT", "PP", "II", "TM0", 
 
 }  // namespace
 
-ScipProtocol::ScipProtocol() : ScannerTalk(kClock_bits, kTick_us) {}
+ScipProtocol::ScipProtocol() : ScannerSession(kClock_bits, kTick_us) {}
 
 void ScipProtocol::connected(std::int64_t host_utime) {
-  forget_talk();
+  reset_session();
   parameters_.reset();
   ask(Step::kStop, host_utime);
 }
@@ -117,7 +117,7 @@ void ScipProtocol::take_parameters(const ScipReply& reply, std::int64_t host_uti
   parameters_ = parse_scip_parameters(reply.body);
   if (parameters_) {
     const double last_beam_us = parameters_->last_step * parameters_->beam_period_us();
-    clock_.set_least_delay(last_beam_us);
+    clock_.set_min_delay(last_beam_us);
     return ask(Step::kState, host_utime);
   }
   ++counts_.num_bad;
@@ -191,7 +191,7 @@ void ScipProtocol::expire(std::int64_t host_utime) {
         return begin_stream(ScipEncoding::kThree, host_utime);
       }
       if (!is_granted_) break;
-      if (may_begin_anew()) ask(Step::kStop, host_utime);
+      if (may_restart()) ask(Step::kStop, host_utime);
       return;
     default:
       break;

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "device/scanner_talk.hpp"
+#include "device/scanner_session.hpp"
 #include "device/scip/scip_parameters.hpp"
 #include "device/scip/scip_sweep.hpp"
 #include "device/scip/scip_text.hpp"
@@ -16,7 +16,7 @@ namespace orchard::device {
 /// SCIP protocol, 2.0 or later, of Hokuyo scanners URG-04LX-UG01, UTM-30LX, UST-10LX and similar
 /// (specification C-42-03320B). Stops the scanner, reads its parameters and its clock, and requests
 /// every sweep, with intensities where the model has them.
-class ScipProtocol : public ScannerTalk {
+class ScipProtocol : public ScannerSession {
  public:
   ScipProtocol();
 

@@ -46,7 +46,7 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
   std::vector<Point> true_points, found_points;
   for (const TrueObservation* t : truth) true_points.push_back(axis_in_laser(*t));
   for (const Detection& d : message.trunks) {
-    found_points.push_back(transform_back(T_base_laser, {d.centre_x_m, d.centre_y_m}));
+    found_points.push_back(inverse_transform(T_base_laser, {d.centre_x_m, d.centre_y_m}));
   }
   const Assignment assignment = assign(true_points, found_points, gate_m);
   std::vector<char> used(found_points.size(), 0);

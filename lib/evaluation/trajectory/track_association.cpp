@@ -71,7 +71,7 @@ void associate_nearest(const Track& estimate, const Track& truth, double max_dif
 
 }  // namespace
 
-double usual_gap_s(const Track& truth) {
+double median_gap_s(const Track& truth) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < truth.poses.size(); ++i) {
     intervals_s.push_back(1e-6 *
@@ -86,7 +86,7 @@ void associate(const Track& estimate, const Track& truth, const TrajectoryRules&
     associate_nearest(estimate, truth, rules.max_difference_s, evaluation);
     return;
   }
-  evaluation.gap_max_s = rules.gap_max_s ? *rules.gap_max_s : usual_gap_s(truth);
+  evaluation.gap_max_s = rules.gap_max_s ? *rules.gap_max_s : median_gap_s(truth);
   associate_between(estimate, truth, evaluation);
 }
 

@@ -7,7 +7,7 @@ namespace orchard::evaluation {
 
 /// Default of the max interval between true poses for interpolation: three times the median
 /// interval [s]; 0 for fewer than two poses.
-double usual_gap_s(const Track& truth);
+double median_gap_s(const Track& truth);
 
 /// Pairs estimates with the truth by time: fills `compared` (estimate and truth, not the errors),
 /// gap_max_s and the numbers of unpaired poses.

@@ -8,7 +8,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/stored_map.hpp"
-#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/detection_map.hpp"
 
 namespace orchard::io {
 
@@ -46,12 +46,12 @@ void require_places(const std::string& name, const std::vector<pose::PriorLandma
 
 }  // namespace
 
-pose::EarlierMap read_prior_map(const pose::PriorMapConfig& config) {
+pose::PriorMapData read_prior_map(const pose::PriorMapConfig& config) {
   std::string path = config.map_file;
   std::error_code unknown;
   const bool is_folder = std::filesystem::is_directory(path, unknown);
   if (is_folder) path += "/map.csv";
-  pose::EarlierMap earlier;
+  pose::PriorMapData earlier;
   std::vector<mapping::Landmark> used;
   for (const mapping::Landmark& l : read_map_csv(path)) {
     if (l.num_observations < config.min_observations) continue;

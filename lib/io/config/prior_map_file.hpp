@@ -10,6 +10,6 @@ namespace orchard::io {
 /// config.min_observations observations. From a folder also the sensor coverage of its drives, and
 /// from that the detection rate of each landmark. The files are only read. Throws FileError when
 /// one cannot be read, or when its landmarks are not sufficient for localization.
-pose::EarlierMap read_prior_map(const pose::PriorMapConfig& config);
+pose::PriorMapData read_prior_map(const pose::PriorMapConfig& config);
 
 }  // namespace orchard::io

@@ -58,7 +58,7 @@ PlotSizeMax print_size(const std::vector<Eigen::Vector2d>& points_map) {
 void draw_row_lines(const MapFrame& frame, const std::vector<mapping::Row>& rows, Canvas& canvas) {
   for (const mapping::Row& row : rows) {
     std::vector<PixelPoint> points;
-    for (const mapping::RowPlace& place : row.places) {
+    for (const mapping::RowSlot& place : row.places) {
       points.push_back(frame.at(place.p_map.x(), place.p_map.y()));
     }
     if (points.size() > 1) canvas.polyline(points, kRow, 1.5);

@@ -165,7 +165,7 @@ void write_rows(const MapLayers& map, GeoFile& file) {
                     qml_text(style)});
   for (const mapping::Row& row : *map.rows) {
     std::vector<Eigen::Vector2d> line;
-    for (const mapping::RowPlace& place : row.places) line.push_back(place.p_map);
+    for (const mapping::RowSlot& place : row.places) line.push_back(place.p_map);
     if (line.size() < 2) continue;
     const auto gaps = std::count_if(row.places.begin(), row.places.end(),
                                     [](const auto& place) { return place.landmark_id == 0; });
@@ -185,7 +185,7 @@ void write_rows(const MapLayers& map, GeoFile& file) {
        {{"row", GeoType::kInteger}, {"position", GeoType::kInteger}, {"label", GeoType::kText}},
        qml_text(style)});
   for (const mapping::Row& row : *map.rows) {
-    for (const mapping::RowPlace& place : row.places) {
+    for (const mapping::RowSlot& place : row.places) {
       if (place.landmark_id != 0) continue;
       file.add({integer(row.number), integer(place.position),
                 row_name(map, row.number) + "/" + std::to_string(place.position)},
@@ -195,8 +195,8 @@ void write_rows(const MapLayers& map, GeoFile& file) {
 }
 
 void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
-  for (const auto kind : {mapping::WayKind::kAlley, mapping::WayKind::kHeadland}) {
-    const bool is_alley = kind == mapping::WayKind::kAlley;
+  for (const auto kind : {mapping::EdgeKind::kAlley, mapping::EdgeKind::kHeadland}) {
+    const bool is_alley = kind == mapping::EdgeKind::kAlley;
     QgisStyle style;
     style.is_line = true;
     style.symbols = {

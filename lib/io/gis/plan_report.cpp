@@ -138,15 +138,15 @@ std::string plan_json(const StoredPlan& stored) {
   json["alley_m"] = rounded(mapping::typical_alley_m(stored.plan), 1e-3);
   json["rows"] = Json::array();
   for (const mapping::PlannedRow& row : stored.plan.rows) {
-    const mapping::PlannedRowFacts facts = mapping::facts_of(row);
+    const mapping::PlannedRowFacts facts = mapping::row_facts(row);
     json["rows"].push_back({{"row", row.name},
                             {"trees", row.trees.size()},
                             {"first", row.trees.front().name},
                             {"last", row.trees.back().name},
                             {"length_m", rounded(facts.length_m, 1e-3)},
                             {"spacing_m", rounded(facts.spacing_m, 1e-3)},
-                            {"spacing_least_m", rounded(facts.spacing_least_m, 1e-3)},
-                            {"spacing_most_m", rounded(facts.spacing_most_m, 1e-3)}});
+                            {"spacing_least_m", rounded(facts.spacing_min_m, 1e-3)},
+                            {"spacing_most_m", rounded(facts.spacing_max_m, 1e-3)}});
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

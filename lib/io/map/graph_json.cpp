@@ -25,7 +25,7 @@ std::string graph_json(const mapping::NavigationGraph& graph) {
   }
   json["edges"] = Json::array();
   for (const mapping::NavigationEdge& edge : graph.edges) {
-    const bool is_alley = edge.kind == mapping::WayKind::kAlley;
+    const bool is_alley = edge.kind == mapping::EdgeKind::kAlley;
     Json line = Json::array();
     for (const Eigen::Vector2d& p : edge.line_map) line.push_back(place(p));
     Json entry{{"id", edge.id},

@@ -52,7 +52,7 @@ struct MapFolderContent {
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
   std::vector<DegradedInterval> degraded{};   ///< in order of time
   /// Observed free space for graph.json; evaluated while the folder is written.
-  mapping::SeenFree seen_free{};
+  mapping::FreeSpaceTest seen_free{};
   std::int32_t next_id = 0;  ///< above every id of this and earlier maps
   std::vector<mapping::PlacedPhotograph> photographs{};  ///< assigned to landmarks when writing
   std::size_t album_bytes_max = 0;

@@ -60,7 +60,7 @@ Eigen::Vector2d gap_named(const CorrectedMapFolder& map, const std::string& name
   const RowAndTree number = row_and_tree(map, name);
   for (const mapping::Row& row : map.rows) {
     if (row.number != number.row) continue;
-    for (const mapping::RowPlace& place : row.places) {
+    for (const mapping::RowSlot& place : row.places) {
       if (place.position == number.position && place.landmark_id == 0) return place.p_map;
     }
   }

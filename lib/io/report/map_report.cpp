@@ -41,7 +41,7 @@ class Writer {
   Writer(const ReportContent& content, const ReportTexts& texts)
       : content_(content),
         texts_(texts),
-        inventory_(mapping::take_inventory(content.map.landmarks)),
+        inventory_(mapping::compute_inventory(content.map.landmarks)),
         growth_(growth_of(content)) {}
 
   Document write() {
@@ -271,7 +271,7 @@ class Writer {
 
   void write_certainty() {
     heading(texts_.how_sure);
-    const mapping::Certainty& certainty = inventory_.certainty;
+    const mapping::CertaintyCounts& certainty = inventory_.certainty;
     text(say(texts_.sure, {number(certainty.num_sure), number(certainty.num_likely),
                            number(certainty.num_unsure)}));
     if (inventory_.position_se_median_m > 0.0) {
@@ -297,7 +297,7 @@ Document map_report(const ReportContent& content, const ReportTexts& texts) {
 }
 
 std::vector<std::vector<std::string>> report_table(const ReportContent& content) {
-  const Inventory inventory = mapping::take_inventory(content.map.landmarks);
+  const Inventory inventory = mapping::compute_inventory(content.map.landmarks);
   const GrowthByRow growth = growth_of(content);
   std::vector<std::vector<std::string>> table{{"row", "trees", "empty_places", "empty_positions",
                                                "diameter_mean_cm", "tcsa_cm2", "tcsa_sd_cm2"}};

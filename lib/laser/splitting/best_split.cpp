@@ -34,7 +34,7 @@ Candidate BestSplit::part(const Candidate& candidate, std::size_t from, std::siz
   return part_of(beams_, candidate, positions_[from], positions_[to - 1]);
 }
 
-void BestSplit::go_on(std::size_t from, std::size_t to, double cost, bool is_circle) {
+void BestSplit::extend_explanation(std::size_t from, std::size_t to, double cost, bool is_circle) {
   const std::size_t more = is_circle ? 1 : 0;
   for (std::size_t circles = 0; circles + more <= kMaxCircles; ++circles) {
     const Explanation& before = explanations_[circles][from];
@@ -53,7 +53,7 @@ void BestSplit::find_explanations(const Candidate& candidate) {
   explanations_[0][0].cost = 0.0;
   for (std::size_t from = 0; from < n; ++from) {
     for (std::size_t thin = 1; thin <= std::min(kMaxThinBeams, n - from); ++thin) {
-      go_on(from, from + thin, kThinCosts[thin - 1], false);
+      extend_explanation(from, from + thin, kThinCosts[thin - 1], false);
     }
     const bool is_first = from <= kMaxThinBeams;  // otherwise it must be the last circle
     if (!is_first && explanations_[1][from].cost == kInfinity) continue;
@@ -65,7 +65,7 @@ void BestSplit::find_explanations(const Candidate& candidate) {
       const auto circle = fit_.good(part(candidate, from, to), last);
       if (circle) {
         last = circle;
-        go_on(from, to, kPartCost + circle->chi2 - circle->dof, true);
+        extend_explanation(from, to, kPartCost + circle->chi2 - circle->dof, true);
         num_misfits = kMaxMisfits;
       } else if (--num_misfits == 0) {
         break;
@@ -83,10 +83,10 @@ void BestSplit::drop_mixed() {
   std::vector<Candidate> kept;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const Candidate& part = parts_[k];
-    const bool in_front =
+    const bool in_foreground =
         (k == 0 || is_nearer(part, parts_[k - 1], parts_[k - 1].last)) &&
         (k + 1 == parts_.size() || is_nearer(part, parts_[k + 1], parts_[k + 1].first));
-    if (part.num_beams >= kMinPartBeams || in_front) kept.push_back(part);
+    if (part.num_beams >= kMinPartBeams || in_foreground) kept.push_back(part);
   }
   parts_ = std::move(kept);
 }

@@ -31,7 +31,7 @@ class BestSplit {
   };
 
   Candidate part(const Candidate& candidate, std::size_t from, std::size_t to) const;
-  void go_on(std::size_t from, std::size_t to, double cost, bool is_circle);
+  void extend_explanation(std::size_t from, std::size_t to, double cost, bool is_circle);
   void find_explanations(const Candidate& candidate);
   /// Drops clutter beams that are not nearer than their neighbours: they are mixed pixels.
   void drop_mixed();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "laser/beams.hpp"
-#include "laser/cut.hpp"
+#include "laser/candidate.hpp"
 
 namespace orchard::laser {
 

@@ -11,11 +11,12 @@ constexpr double kSettled_m = 1e-4;
 
 /// Whether two candidates with the same first beam have the same beams and sides.
 bool same(const Candidate& a, const Candidate& b) {
-  bool alike = a.last == b.last && a.num_fronts == b.num_fronts &&
+  bool alike = a.last == b.last && a.num_foregrounds == b.num_foregrounds &&
                a.touches_before == b.touches_before && a.touches_after == b.touches_after &&
                a.hidden_before == b.hidden_before && a.hidden_after == b.hidden_after;
-  for (int k = 0; alike && k < a.num_fronts; ++k) {
-    alike = a.fronts[k].first == b.fronts[k].first && a.fronts[k].last == b.fronts[k].last;
+  for (int k = 0; alike && k < a.num_foregrounds; ++k) {
+    alike = a.foregrounds[k].first == b.foregrounds[k].first &&
+            a.foregrounds[k].last == b.foregrounds[k].last;
   }
   return alike;
 }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "laser/beams.hpp"
+#include "laser/candidate.hpp"
 #include "laser/circle_fit.hpp"
-#include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/sides.hpp"

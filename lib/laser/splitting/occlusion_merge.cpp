@@ -24,9 +24,9 @@ Candidate joined_candidate(const Candidate& before, const Candidate& after) {
   Candidate candidate = before;
   candidate.last = after.last;
   candidate.num_beams += after.num_beams;
-  candidate.fronts[candidate.num_fronts++] = {before.last + 1, after.first - 1};
-  for (int k = 0; k < after.num_fronts; ++k)
-    candidate.fronts[candidate.num_fronts++] = after.fronts[k];
+  candidate.foregrounds[candidate.num_foregrounds++] = {before.last + 1, after.first - 1};
+  for (int k = 0; k < after.num_foregrounds; ++k)
+    candidate.foregrounds[candidate.num_foregrounds++] = after.foregrounds[k];
   return candidate;
 }
 
@@ -39,7 +39,7 @@ void merge_occluded(const Beams& beams, const SegmentationConfig& config, Candid
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (taken[k]) continue;
     for (std::size_t m = k + 1;
-         m < candidates.size() && candidates[k].num_fronts < Candidate::kMaxFronts; ++m) {
+         m < candidates.size() && candidates[k].num_foregrounds < Candidate::kMaxForegrounds; ++m) {
       const std::ptrdiff_t hidden = candidates[m].first - candidates[k].last - 1;
       if (hidden > config.merge_occluded_beams) break;
       // A circle fits almost any few distant beams, so each part needs at least as many beams as

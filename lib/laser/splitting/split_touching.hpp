@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "laser/beams.hpp"
-#include "laser/cut.hpp"
+#include "laser/candidate.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/splitting/candidate_fit.hpp"

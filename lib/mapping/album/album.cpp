@@ -28,7 +28,7 @@ constexpr std::size_t kWaitingScansMax = 600;
 constexpr std::size_t kWaitingPicturesMax = 300;
 constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;
 
-/// Fill level after make_room(), so that it does not run for every photograph.
+/// Fill level after drop_worst_photographs(), so that it does not run for every photograph.
 constexpr double kFilled = 0.9;
 
 constexpr double kBytesPerMb = 1e6;
@@ -113,21 +113,21 @@ void Album::observe(const WaitingScan& scan, const vision::Image& image) {
   T_map_base.x_m = scan.x_m, T_map_base.y_m = scan.y_m, T_map_base.yaw_rad = scan.yaw_rad;
   const PoseComposition composition(T_map_base);
   for (std::size_t i = 0; i < framings.size(); ++i) {
-    const double is_worth = worth(framings[i], picture);
+    const double is_worth = quality(framings[i], picture);
     if (!(is_worth > 0.0)) continue;
     const Eigen::Vector2d p_map =
         composition.apply(scan.subjects[i].x_base_m, scan.subjects[i].y_base_m);
     Passing& passing = passings_[passing_at(p_map.x(), p_map.y(), scan.utime)];
     passing.last_utime = scan.utime;
-    if (!(is_worth > kBetter * passing.best.worth)) continue;
-    std::vector<std::uint8_t> jpeg = cut_out(framings[i], picture);
+    if (!(is_worth > kBetter * passing.best.quality)) continue;
+    std::vector<std::uint8_t> jpeg = cropped_jpeg(framings[i], picture);
     if (jpeg.empty()) continue;
     num_bytes_ -= num_bytes_of(passing.best);
     passing.best = {scan.utime,       image.utime, framings[i].frame,
                     scan.subjects[i], is_worth,    std::move(jpeg)};
     num_bytes_ += num_bytes_of(passing.best);
   }
-  if (num_bytes_ > max_bytes_) make_room();
+  if (num_bytes_ > max_bytes_) drop_worst_photographs();
 }
 
 /// Index of the current passing at a position, or of a new one.
@@ -153,11 +153,11 @@ std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
 
 /// Frees memory: keeps the best passing of each position in descending worth, then further ones, up
 /// to kFilled of the limit.
-void Album::make_room() {
+void Album::drop_worst_photographs() {
   std::vector<std::size_t> order(passings_.size());  // in descending worth
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
-    return passings_[a].best.worth > passings_[b].best.worth;
+    return passings_[a].best.quality > passings_[b].best.quality;
   });
   geometry::PointGrid grid;
   std::vector<std::size_t> kept, again;

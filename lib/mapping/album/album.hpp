@@ -78,7 +78,7 @@ class Album {
   void take_scans();
   void observe(const WaitingScan& scan, const vision::Image& image);
   std::size_t passing_at(double x_m, double y_m, std::int64_t utime);
-  void make_room();
+  void drop_worst_photographs();
 
   detection::Rig rig_;
   std::size_t max_bytes_;

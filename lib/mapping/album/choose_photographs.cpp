@@ -49,7 +49,7 @@ std::vector<AlbumEntry> choose_photographs(const std::vector<Landmark>& landmark
   for (const PlacedPhotograph& photograph : photographs) {
     const auto i = landmark_of(photograph, landmarks, grid);
     if (!i) continue;
-    if (best[*i] == nullptr || photograph.photograph.worth > best[*i]->worth) {
+    if (best[*i] == nullptr || photograph.photograph.quality > best[*i]->quality) {
       best[*i] = &photograph.photograph;
     }
   }
@@ -64,7 +64,7 @@ std::vector<AlbumEntry> choose_photographs(const std::vector<Landmark>& landmark
   }
   std::stable_sort(order.begin(), order.end(), [&best](const Wanted& a, const Wanted& b) {
     if (a.is_tree != b.is_tree) return a.is_tree;
-    return best[a.landmark]->worth > best[b.landmark]->worth;
+    return best[a.landmark]->quality > best[b.landmark]->quality;
   });
   std::vector<AlbumEntry> entries;
   std::size_t num_bytes = 0;

@@ -111,7 +111,7 @@ std::vector<Framing> frame_subjects(const std::vector<Subject>& subjects, const 
   return framings;
 }
 
-double worth(const Framing& framing, vision::PictureReader& picture) {
+double quality(const Framing& framing, vision::PictureReader& picture) {
   if (framing.frame.empty()) return 0.0;
   const auto block = picture.read(framing.trunk);
   if (!block) return 0.0;
@@ -120,7 +120,7 @@ double worth(const Framing& framing, vision::PictureReader& picture) {
   return framing.px_per_m * sharp.detail_per_px * shown * (framing.is_hidden ? kHiddenWorth : 1.0);
 }
 
-std::vector<std::uint8_t> cut_out(const Framing& framing, vision::PictureReader& picture) {
+std::vector<std::uint8_t> cropped_jpeg(const Framing& framing, vision::PictureReader& picture) {
   const auto block = picture.read(framing.frame);
   if (!block) return {};
   const int divisor = (block->area.width_px + kPhotoWidthMax_px - 1) / kPhotoWidthMax_px;

@@ -29,10 +29,10 @@ std::vector<Framing> frame_subjects(const std::vector<Subject>& subjects, const 
 
 /// Quality of a framing: details per metre of the subject's surface (sharpness x pixels per metre),
 /// reduced by over- and underexposure, cropping and occlusion. 0: unusable.
-double worth(const Framing& framing, vision::PictureReader& picture);
+double quality(const Framing& framing, vision::PictureReader& picture);
 
 /// The frame as a JPEG of at most kPhotoWidthMax_px columns; empty if the image cannot be decoded.
-std::vector<std::uint8_t> cut_out(const Framing& framing, vision::PictureReader& picture);
+std::vector<std::uint8_t> cropped_jpeg(const Framing& framing, vision::PictureReader& picture);
 
 inline constexpr int kPhotoWidthMax_px = 240;
 

@@ -22,12 +22,12 @@ struct Photograph {
   std::int64_t image_utime = 0;  ///< of the image it was cut out of
   vision::PixelRect frame;       ///< region in that image
   Subject subject;
-  double worth = 0.0;
+  double quality = 0.0;
   std::vector<std::uint8_t> jpeg;
 
   template <class Archive>
   void persist(Archive& archive) {
-    archive(scan_utime, image_utime, frame, subject, worth, jpeg);
+    archive(scan_utime, image_utime, frame, subject, quality, jpeg);
   }
 };
 

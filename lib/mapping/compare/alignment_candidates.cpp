@@ -208,7 +208,7 @@ bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, double 
 
 bool is_allowed(const geometry::Pose2& T_a_b, const Vector2d& p_a, const AlignmentSearch& search) {
   if (search.any_place) return true;
-  const Vector2d p_b = transform_back(T_a_b, p_a);
+  const Vector2d p_b = inverse_transform(T_a_b, p_a);
   return std::abs(T_a_b.yaw_rad) <= search.turn_max_rad &&
          (p_a - p_b).norm() <= search.offset_max_m;
 }
@@ -285,7 +285,7 @@ AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
 
 bool is_near(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
              double near_m, double near_rad) {
-  const Vector2d p_b = transform_back(T, p_a);
+  const Vector2d p_b = inverse_transform(T, p_a);
   return (transform(other, p_b) - p_a).norm() < near_m &&
          std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < near_rad;
 }
@@ -366,9 +366,9 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
     for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
       Hypothesis h;
       h.middle_a = anchor.middle;
-      h.T_a_b =
-          geometry::through_two(a[anchor.first], a[anchor.second], b[static_cast<std::size_t>(i)],
-                                b[static_cast<std::size_t>(j)]);
+      h.T_a_b = geometry::pose_from_two_pairs(a[anchor.first], a[anchor.second],
+                                              b[static_cast<std::size_t>(i)],
+                                              b[static_cast<std::size_t>(j)]);
       if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
       found.num_tried += 1.0;
       if (has_support({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))

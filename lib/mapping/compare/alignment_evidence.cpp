@@ -76,7 +76,7 @@ PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses) {
   return null;
 }
 
-PairNoise shrunk(const PairNoise& own, const PairNoise& null, std::size_t num_pairs) {
+PairNoise shrunk_noise(const PairNoise& own, const PairNoise& null, std::size_t num_pairs) {
   constexpr double kNullPairs = 5.0;
   const auto n = static_cast<double>(num_pairs);
   const auto mixed = [&](double sd, double null_sd) {
@@ -134,7 +134,8 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   return evidence;
 }
 
-EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second) {
+EvidenceDifference compare_hypotheses(const AlignmentEvidence& first,
+                                      const AlignmentEvidence& second) {
   std::vector<double> differences;
   const auto collect = [&](const std::vector<double>& x, const std::vector<double>& y) {
     for (std::size_t i = 0; i < x.size(); ++i) differences.push_back(x[i] - y[i]);
@@ -144,7 +145,9 @@ EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvi
   return sum_of(differences);
 }
 
-EvidenceDifference detail(const AlignmentEvidence& evidence) { return sum_of(evidence.of_b); }
+EvidenceDifference log_odds_against_null(const AlignmentEvidence& evidence) {
+  return sum_of(evidence.of_b);
+}
 
 double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
   return evidence.num_judged_b <= 0.0 ? 0.0

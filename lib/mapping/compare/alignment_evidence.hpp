@@ -45,7 +45,7 @@ PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
 PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses);
 
 /// Shrinks the noise of a hypothesis with few pairs towards that of the null hypothesis.
-PairNoise shrunk(const PairNoise& own, const PairNoise& null, std::size_t num_pairs);
+PairNoise shrunk_noise(const PairNoise& own, const PairNoise& null, std::size_t num_pairs);
 
 /// Log-likelihood ratios of all trunks for one hypothesis. `noise`: of its pairs; `null`: of the
 /// null hypothesis.
@@ -60,10 +60,11 @@ struct EvidenceDifference {
 };
 
 /// Log-odds of hypothesis 1 against 2; trunks that would be missed get the null likelihood.
-EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second);
+EvidenceDifference compare_hypotheses(const AlignmentEvidence& first,
+                                      const AlignmentEvidence& second);
 
 /// Log-odds of a hypothesis against the null hypothesis, from the positions and widths of b only.
-EvidenceDifference detail(const AlignmentEvidence& evidence);
+EvidenceDifference log_odds_against_null(const AlignmentEvidence& evidence);
 
 /// Number of pairs divided by the expected number of b's trunks that the first drive maps.
 double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs);

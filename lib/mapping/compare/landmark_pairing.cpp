@@ -11,7 +11,7 @@ namespace orchard::mapping {
 
 using Eigen::Vector2d;
 
-std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
+std::vector<Vector2d> landmark_positions(const std::vector<Landmark>& landmarks) {
   std::vector<Vector2d> places;
   places.reserve(landmarks.size());
   for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
@@ -130,7 +130,7 @@ std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const Inde
                                               const Vector2d& p_a, double radius_m) {
   std::vector<Offer> offers;
   const Eigen::Matrix2d R_a_b = rotation(T_a_b);
-  for (const std::int32_t j : b.within(transform_back(T_a_b, p_a), radius_m)) {
+  for (const std::int32_t j : b.within(inverse_transform(T_a_b, p_a), radius_m)) {
     offer(a, j, R_a_b * b[static_cast<std::size_t>(j)] + T_a_b.translation_m(), gate_m, offers);
   }
   return nearest_pairs_of(std::move(offers), a.size(), b.size());

@@ -14,7 +14,7 @@
 namespace orchard::mapping {
 
 /// Positions of the landmarks, in their order.
-std::vector<Eigen::Vector2d> places_of(const std::vector<Landmark>& landmarks);
+std::vector<Eigen::Vector2d> landmark_positions(const std::vector<Landmark>& landmarks);
 
 /// Immutable points with a grid for radius searches.
 class IndexedPoints {

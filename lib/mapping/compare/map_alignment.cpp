@@ -82,13 +82,13 @@ std::size_t num_not_objects(const std::vector<Landmark>& landmarks) {
 
 /// Log of an upper bound (Chernoff) on the probability of at least `count` Poisson events of that
 /// mean.
-double log_chance(double count, double mean) {
+double log_null_probability(double count, double mean) {
   if (count <= mean || mean <= 0.0) return mean <= 0.0 && count > 0.0 ? -1e9 : 0.0;
   return count - mean - count * std::log(count / mean);
 }
 
 /// Expected number of points of b that find a partner under a random alignment.
-double expected_by_chance(const IndexedPoints& a, double num_b, double gate_m) {
+double expected_under_null(const IndexedPoints& a, double num_b, double gate_m) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Vector2d& p : a.points()) {
     x0 = std::min(x0, p.x()), x1 = std::max(x1, p.x());
@@ -160,9 +160,10 @@ class MapAligner {
     const std::size_t num_pairs_max =
         found.candidates.empty() ? 0 : found.candidates.front().pairs.size();
     if (num_pairs_max < num_pairs_min()) return refused(num_pairs_max);
-    const RatedHypotheses rated = rate(worth_rating(std::move(found.candidates), num_pairs_max));
+    const RatedHypotheses rated =
+        rate(candidates_to_rate(std::move(found.candidates), num_pairs_max));
     MapAlignment alignment = best_of(rated);
-    refuse_chance(rated, found.num_tried, alignment);
+    refuse_null(rated, found.num_tried, alignment);
     refuse_rivals(rated, alignment);
     refuse_aliases(rated, alignment);
     for (LandmarkPair& pair : alignment.pairs) {
@@ -189,8 +190,8 @@ class MapAligner {
   }
 
   /// Hypotheses with at least kRivalPairsFraction of the most pairs.
-  std::vector<AlignmentCandidate> worth_rating(std::vector<AlignmentCandidate> candidates,
-                                               std::size_t num_pairs_max) const {
+  std::vector<AlignmentCandidate> candidates_to_rate(std::vector<AlignmentCandidate> candidates,
+                                                     std::size_t num_pairs_max) const {
     const double least = kRivalPairsFraction * static_cast<double>(num_pairs_max);
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                     [&](const AlignmentCandidate& c) {
@@ -212,10 +213,10 @@ class MapAligner {
     const PairNoise null = null_noise(rated.noise);
     for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
       const AlignmentCandidate& c = rated.candidates[k];
-      rated.evidence.push_back(
-          evidence_of(a_.trunks, b_.trunks, c, shrunk(rated.noise[k], null, c.pairs.size()), null));
+      rated.evidence.push_back(evidence_of(
+          a_.trunks, b_.trunks, c, shrunk_noise(rated.noise[k], null, c.pairs.size()), null));
       if (k != rated.best &&
-          difference(rated.evidence[k], rated.evidence[rated.best]).log_odds > 0.0) {
+          compare_hypotheses(rated.evidence[k], rated.evidence[rated.best]).log_odds > 0.0) {
         rated.best = k;
       }
     }
@@ -241,13 +242,13 @@ class MapAligner {
 
   /// Rejects an alignment if its number of pairs is explained by chance, or if it pairs too few of
   /// the trunks that both drives could observe.
-  void refuse_chance(const RatedHypotheses& rated, double num_tried,
-                     MapAlignment& alignment) const {
+  void refuse_null(const RatedHypotheses& rated, double num_tried, MapAlignment& alignment) const {
     const AlignmentEvidence& evidence = rated.evidence[rated.best];
     const auto num_pairs = static_cast<double>(alignment.pairs.size());
     const double log_p =
-        log_chance(num_pairs - 2.0,
-                   expected_by_chance(a_.trunks.places, evidence.num_judged_b, search_.gate_m)) +
+        log_null_probability(
+            num_pairs - 2.0,
+            expected_under_null(a_.trunks.places, evidence.num_judged_b, search_.gate_m)) +
         std::log(std::max(1.0, num_tried));
     const double fraction = fraction_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {
@@ -266,7 +267,8 @@ class MapAligner {
     for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
       if (k == rated.best) continue;
       const AlignmentCandidate& rival = rated.candidates[k];
-      const EvidenceDifference d = difference(rated.evidence[rated.best], rated.evidence[k]);
+      const EvidenceDifference d =
+          compare_hypotheses(rated.evidence[rated.best], rated.evidence[k]);
       if (d.log_odds < alignment.log_odds) {
         alignment.log_odds = d.log_odds;
         if (alignment.status != AlignmentStatus::kAmbiguous) {
@@ -290,7 +292,7 @@ class MapAligner {
     const bool is_told =
         !config_.any_place && distance_m(alignment, geometry::Pose2{}) < kSharedFrame * spacing_m_;
     if (alignment.status != AlignmentStatus::kAligned || is_told ||
-        is_clear(detail(rated.evidence[rated.best]))) {
+        is_clear(log_odds_against_null(rated.evidence[rated.best]))) {
       return;
     }
     alignment.status = AlignmentStatus::kAmbiguous;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "geometry/pose2.hpp"
-#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/detection_map.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {

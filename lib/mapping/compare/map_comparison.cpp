@@ -6,7 +6,7 @@
 
 #include "geometry/statistics.hpp"
 #include "mapping/compare/change_posterior.hpp"
-#include "mapping/compare/straightening.hpp"
+#include "mapping/compare/local_deformation.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -29,7 +29,7 @@ double cloud_sd_m(const Landmark& l) {
 /// Max distance of two landmarks that may be parts of one object: one, with half its width, lies
 /// among the observations of the other. The suckers of a stump scatter around it, and each drive
 /// divides them into different landmarks.
-double one_thing_m(const Landmark& a, const Landmark& b) {
+double same_object_m(const Landmark& a, const Landmark& b) {
   return 0.5 * (a.width_m + b.width_m) + kCloudSigmas * std::max(cloud_sd_m(a), cloud_sd_m(b));
 }
 
@@ -41,7 +41,7 @@ std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
     const Landmark& l = landmarks[i];
     if (l.label != Label::kObject && !in_clump[i]) places.push_back({l.x_m, l.y_m});
   }
-  return places.size() < 2 ? places_of(landmarks) : places;
+  return places.size() < 2 ? landmark_positions(landmarks) : places;
 }
 
 /// Existence probability of a landmark from its number of observations.
@@ -191,9 +191,10 @@ class MapComparer {
               const DetectionMap& view_a, const DetectionMap& view_b, const MapAlignment& alignment,
               const ComparisonConfig& config)
       : config_(config),
-        a_(a, view_a, geometry::Pose2{}, places_of(a), config.clump),
+        a_(a, view_a, geometry::Pose2{}, landmark_positions(a), config.clump),
         b_(b, view_b, inverse(alignment.T_a_b),
-           aligned_locally(a_.places, IndexedPoints(places_of(b)), alignment), config.clump) {
+           without_local_deformation(a_.places, IndexedPoints(landmark_positions(b)), alignment),
+           config.clump) {
     const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_clump)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
     pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
@@ -295,7 +296,7 @@ class MapComparer {
     const ChangePosterior posterior = change_posterior(pair, scatter_);
     const bool is_far =
         pair.distance_m >= config_.moved_min_m &&
-        pair.distance_m > one_thing_m(a_.landmarks[i], b_.landmarks[j]) &&
+        pair.distance_m > same_object_m(a_.landmarks[i], b_.landmarks[j]) &&
         pair.distance_m >= config_.sigmas_min * pair.noise_factor * scatter_.position_sd_m;
     const bool in_clump = a_.in_clump[i] || b_.in_clump[j];
     const double are_two = posterior.replaced + posterior.not_repeated;
@@ -342,7 +343,7 @@ class MapComparer {
       const auto j = static_cast<std::size_t>(k);
       const double distance_m = (other.places[j] - there.places[i]).norm();
       const double clump_m = there.in_clump[i] ? config_.clump.reach_m : 0.0;
-      return distance_m <= std::max(clump_m, one_thing_m(l, other.landmarks[j]));
+      return distance_m <= std::max(clump_m, same_object_m(l, other.landmarks[j]));
     });
   }
 

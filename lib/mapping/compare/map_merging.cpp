@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/compare/straightening.hpp"
+#include "mapping/compare/local_deformation.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -68,7 +68,7 @@ Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b) {
   return l;
 }
 
-Landmark united(const Landmark& a, const Landmark& b) {
+Landmark merged_landmark(const Landmark& a, const Landmark& b) {
   Landmark l = a;
   const int n_a = a.num_observations, n_b = b.num_observations;
   const double n = static_cast<double>(n_a) + n_b;
@@ -105,8 +105,8 @@ Landmark united(const Landmark& a, const Landmark& b) {
   return l;
 }
 
-std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
-                               const MapAlignment& alignment) {
+std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
+                                 const MapAlignment& alignment) {
   std::vector<Vector2d> places_a, places_b;
   for (const Landmark& l : merged.landmarks) {
     places_a.push_back({l.x_m, l.y_m});
@@ -115,7 +115,7 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
   for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
   const IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
   // Pair after local alignment, so that deformation does not duplicate a tree.
-  const IndexedPoints b_in_a(aligned_locally(a_points, b_points, alignment));
+  const IndexedPoints b_in_a(without_local_deformation(a_points, b_points, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
   std::vector<std::int32_t> partner(b.size(), -1);
   for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, geometry::Pose2{}, gate_m)) {
@@ -125,14 +125,14 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
   for (std::size_t j = 0; j < order.size(); ++j) order[j] = j;
   std::sort(order.begin(), order.end(),
             [&](std::size_t x, std::size_t y) { return b[x].id < b[y].id; });
-  std::vector<KeptId> ids(b.size());
+  std::vector<MergedId> ids(b.size());
   for (const std::size_t j : order) {
     Landmark l = transformed(b[j], alignment.T_a_b);
     l.x_m = b_in_a[j].x();
     l.y_m = b_in_a[j].y();
     if (partner[j] >= 0) {
       Landmark& known = merged.landmarks[static_cast<std::size_t>(partner[j])];
-      known = united(known, l);
+      known = merged_landmark(known, l);
       ids[j] = {b[j].id, known.id};
     } else {
       l.id = merged.next_id++;

@@ -15,7 +15,7 @@ struct MergedMap {
 };
 
 /// Id of an input landmark in the merged map.
-struct KeptId {
+struct MergedId {
   std::int32_t before = 0;
   std::int32_t now = 0;
 };
@@ -29,14 +29,14 @@ struct KeptId {
 /// `merged` are kept; new landmarks get ids from merged.next_id on, in order of their id in b. Row
 /// and position of `merged` are kept; they are 0 for new landmarks. Returns the ids of b's
 /// landmarks, in order.
-std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
-                               const MapAlignment& alignment);
+std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
+                                 const MapAlignment& alignment);
 
 /// Transforms a landmark from frame b to frame a: position, standard errors and covariance.
 Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b);
 
 /// Unites two landmarks of one object, both in one frame; keeps id, row and position of `a`.
 /// Positions are weighted by `a.covariance` and `b.covariance` where known.
-Landmark united(const Landmark& a, const Landmark& b);
+Landmark merged_landmark(const Landmark& a, const Landmark& b);
 
 }  // namespace orchard::mapping

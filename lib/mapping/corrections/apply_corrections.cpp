@@ -256,7 +256,7 @@ class Applier {
       Landmark part = *parts[i];
       if (part.width_m <= 0.0) part.width_m = whole.width_m;
       if (whole.width_m <= 0.0) whole.width_m = part.width_m;
-      whole = united(whole, part);
+      whole = merged_landmark(whole, part);
       if (whole.row == 0) whole.row = part.row, whole.position = part.position;
       for (const std::string& text : notes_[part.id]) notes_[whole.id].push_back(text);
       notes_.erase(part.id);

@@ -28,7 +28,7 @@ class Bend {
       x_m.push_back(shift_m.x());
       y_m.push_back(shift_m.y());
     }
-    Vector2d p = transform_back(T_earlier_now_, p_earlier);
+    Vector2d p = inverse_transform(T_earlier_now_, p_earlier);
     if (!x_m.empty()) p += Vector2d(geometry::median(x_m), geometry::median(y_m));
     return p;
   }
@@ -43,7 +43,7 @@ class Bend {
       if (found == places_now.end()) continue;
       const Vector2d p_earlier(l.x_m, l.y_m);
       places.push_back(p_earlier);
-      shifts_m_.push_back(found->second - transform_back(T_earlier_now_, p_earlier));
+      shifts_m_.push_back(found->second - inverse_transform(T_earlier_now_, p_earlier));
     }
     return IndexedPoints(std::move(places));
   }

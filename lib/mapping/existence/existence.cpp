@@ -29,7 +29,7 @@ bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, dou
     const Vector2d p_base =
         Eigen::Rotation2Dd(observation.T_map_base.yaw_rad).inverse() * (p_map - base_map);
     log_odds += log_odds_of(observation.free_space->at(
-        p_base, width_m, std::hypot(sd_m, sd_at(observation.T_map_base, p_map))));
+        p_base, width_m, std::hypot(sd_m, pose_induced_sd_m(observation.T_map_base, p_map))));
   }
   return log_odds < kLogOddsGone;
 }
@@ -61,7 +61,7 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
       return;
     }
     const Vector2d p_map = r.association_position();
-    const double sd_m = std::hypot(sd_at(T_map_base, p_map), std::sqrt(r.scatter_m2));
+    const double sd_m = std::hypot(pose_induced_sd_m(T_map_base, p_map), std::sqrt(r.scatter_m2));
     const Vector2d p_base = R_map_base.inverse() * (p_map - base_map);
     const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
     if (answer.evidence == FreeSpaceEvidence::kUnknown) return;

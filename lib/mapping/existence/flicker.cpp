@@ -25,7 +25,7 @@ double distance_from_m(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_
 
 }  // namespace
 
-bool flickers(const MapState& map, const LandmarkRecord& r) {
+bool is_flickering(const MapState& map, const LandmarkRecord& r) {
   if (label_of(r, map.config) == detection::Label::kTree) return false;
   const std::vector<std::int32_t> newest =
       map.observations.newest_of(r.last_observation, kFlickerObservationsMax);
@@ -49,8 +49,9 @@ bool flickers(const MapState& map, const LandmarkRecord& r) {
       if (distance_from_m(pose, p_map) > farthest_m) continue;
       if (const auto beams = map.observations.free_space(scan)) {
         const Eigen::Vector2d p_base =
-            geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
-        const double sd_m = std::hypot(sd_at(pose, p_map), std::sqrt(std::max(0.0f, r.scatter_m2)));
+            geometry::inverse_transform(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
+        const double sd_m =
+            std::hypot(pose_induced_sd_m(pose, p_map), std::sqrt(std::max(0.0f, r.scatter_m2)));
         has_view = beams->at(p_base, r.width_m, sd_m).evidence != FreeSpaceEvidence::kUnknown;
       }
       if (has_view) {

@@ -10,6 +10,6 @@ namespace orchard::mapping {
 /// tree, never wider than two beams, and missed between its observations more often than an
 /// existing object would be. A scan is a miss if the position is in view and not farther than the
 /// farthest observation, even if a single beam was returned.
-bool flickers(const MapState& map, const LandmarkRecord& record);
+bool is_flickering(const MapState& map, const LandmarkRecord& record);
 
 }  // namespace orchard::mapping

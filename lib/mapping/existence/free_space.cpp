@@ -108,8 +108,8 @@ Vector2d FreeSpace::in_laser(const Vector2d& p_base, double beam) const {
   const double time_s = beam_period_s_ * beam;
   const Vector2d arm = p_base - time_s * velocity_.head<2>();
   const Vector2d p = geometry::rotation(time_s * velocity_.z()).transpose() * arm;
-  return transform_back(geometry::Pose2{laser_.mount_x_m, laser_.mount_y_m, laser_.mount_yaw_rad},
-                        p);
+  return inverse_transform(
+      geometry::Pose2{laser_.mount_x_m, laser_.mount_y_m, laser_.mount_yaw_rad}, p);
 }
 
 /// Fractional index of the beam towards a point.

@@ -141,12 +141,12 @@ bool trees_stand_alone(const MapState& map, const std::vector<Landmark>& landmar
 }  // namespace
 
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
-                                    bool camera_tells) {
+                                    bool trusts_camera) {
   std::vector<std::int32_t> legs;
   if (!trees_stand_alone(map, landmarks)) return legs;
   const StanceNeighbours neighbours(landmarks);
   const auto stays = [&](const Landmark& l) {
-    const bool is_sure = camera_tells && l.label == detection::Label::kTree;
+    const bool is_sure = trusts_camera && l.label == detection::Label::kTree;
     return l.row > 0 || l.length_m > 0.0 || is_sure;
   };
   const auto num_of = [&](const Landmark& l) { return map.landmarks[l.id - 1].num_all; };

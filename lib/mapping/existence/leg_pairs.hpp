@@ -16,9 +16,9 @@ namespace orchard::mapping {
 /// leg at the distance of a stance, with no third object there, observed in a single visit no
 /// longer than people stand still. Returns none if trees in the map's rows stand in such pairs too
 /// (double stems), or if there are too few trees in rows to judge. Trees in rows are never legs,
-/// nor, with `camera_tells`, are landmarks that a camera labelled TREE. `landmarks`: of this map,
+/// nor, with `trusts_camera`, are landmarks that a camera labelled TREE. `landmarks`: of this map,
 /// with rows.
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
-                                    bool camera_tells);
+                                    bool trusts_camera);
 
 }  // namespace orchard::mapping

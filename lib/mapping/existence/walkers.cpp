@@ -69,9 +69,9 @@ void follow(std::vector<Path>& paths, std::int64_t utime, const std::vector<Vect
 
 }  // namespace
 
-WalkedPaths::WalkedPaths(const MapState& map) : map_(map) {
+WalkerTracks::WalkerTracks(const MapState& map) : map_(map) {
   const ObservationStore& all = map.observations;
-  const ColdArray<std::int32_t> landmark_of = map.landmark_of_observation();
+  const ChunkedArray<std::int32_t> landmark_of = map.landmark_of_observation();
   std::vector<Path> paths;
   const auto end = [&](std::int64_t lost_before_us) {
     const auto is_lost = [&](const Path& path) {
@@ -108,7 +108,7 @@ WalkedPaths::WalkedPaths(const MapState& map) : map_(map) {
                    [](const Step& a, const Step& b) { return a.utime < b.utime; });
 }
 
-bool WalkedPaths::passes(const Step& seen) const {
+bool WalkerTracks::passes(const Step& seen) const {
   const auto first =
       std::lower_bound(steps_.begin(), steps_.end(), seen.utime - kStep_us,
                        [](const Step& step, std::int64_t utime) { return step.utime < utime; });
@@ -118,7 +118,7 @@ bool WalkedPaths::passes(const Step& seen) const {
   return false;
 }
 
-bool WalkedPaths::have_left(const LandmarkRecord& r) const {
+bool WalkerTracks::is_footprint(const LandmarkRecord& r) const {
   if (steps_.empty() || r.num_all >= kStandsObservations) return false;
   const ObservationStore& all = map_.observations;
   const std::vector<std::int32_t> seen = all.newest_of(r.last_observation, kStandsObservations);

@@ -16,12 +16,12 @@ namespace orchard::mapping {
 /// The foot of a walker rests for a few scans at each step and so becomes a landmark. Where no
 /// later scan looks (behind the robot, at the start and end of a drive) there is no other evidence
 /// against it.
-class WalkedPaths {
+class WalkerTracks {
  public:
-  explicit WalkedPaths(const MapState& map);
+  explicit WalkerTracks(const MapState& map);
 
   /// Whether a landmark was observed only while a person walked through its position.
-  bool have_left(const LandmarkRecord& record) const;
+  bool is_footprint(const LandmarkRecord& record) const;
 
  private:
   struct Step {

@@ -30,20 +30,20 @@ double extent_radius_m(const LandmarkRecord& r) {
   return std::max(half_m, 2.0 * std::sqrt(std::max(0.0f, r.scatter_m2)));
 }
 
-std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
-                             const MapperConfig& config) {
+std::int32_t touching_clump(const LandmarkTable& landmarks, std::int32_t index,
+                            const MapperConfig& config) {
   const LandmarkRecord& r = landmarks[index];
   if (!is_surely_no_tree(r, config)) return -1;
   const double radius_m = extent_radius_m(r);
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
-  landmarks.near(r.association_position(), radius_m + kTouch_m + 0.5 * config.widest_m,
+  landmarks.near(r.association_position(), radius_m + kTouch_m + 0.5 * config.object_width_max_m,
                  [&](std::int32_t i, const LandmarkRecord& other) {
                    if (i == index || !is_surely_no_tree(other, config)) return;
                    const double other_m = extent_radius_m(other);
                    const double distance_m =
                        (other.association_position() - r.association_position()).norm();
-                   if (distance_m + radius_m + other_m > config.widest_m) return;
+                   if (distance_m + radius_m + other_m > config.object_width_max_m) return;
                    const double gap_m = distance_m - radius_m - other_m;
                    if (gap_m > best_gap_m || (gap_m == best_gap_m && (best < 0 || i > best)))
                      return;
@@ -59,7 +59,7 @@ std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candi
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
   const double half_m = 0.5 * candidate.detection->width_m;
-  landmarks.near(candidate.p_aligned, 0.5 * config.widest_m + kTouch_m + half_m,
+  landmarks.near(candidate.p_aligned, 0.5 * config.object_width_max_m + kTouch_m + half_m,
                  [&](std::int32_t i, const LandmarkRecord& r) {
                    if (!r.is_clump) return;
                    const double gap_m = (r.association_position() - candidate.p_aligned).norm() -

@@ -61,7 +61,7 @@ double tcsa_cm2(double diameter_m) {
   return 0.25 * geometry::kPi * diameter_cm * diameter_cm;
 }
 
-Inventory take_inventory(const std::vector<Landmark>& landmarks) {
+Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
   Inventory inventory;
   std::map<std::int32_t, Sum> sums;
   std::map<std::int32_t, std::map<std::int32_t, Eigen::Vector2d>> places;
@@ -75,7 +75,7 @@ Inventory take_inventory(const std::vector<Landmark>& landmarks) {
     all.add(l);
     if (l.row > 0 && l.position > 0)
       places[l.row].emplace(l.position, Eigen::Vector2d(l.x_m, l.y_m));
-    Certainty& certainty = inventory.certainty;
+    CertaintyCounts& certainty = inventory.certainty;
     ++(l.probability >= kSure     ? certainty.num_sure
        : l.probability >= kLikely ? certainty.num_likely
                                   : certainty.num_unsure);

@@ -29,7 +29,7 @@ struct RowInventory {
 };
 
 /// Number of trees with a probability of at least 95 %, between, and below 80 %.
-struct Certainty {
+struct CertaintyCounts {
   int num_sure = 0, num_likely = 0, num_unsure = 0;
 };
 
@@ -39,12 +39,12 @@ struct Inventory {
   RowInventory all;                ///< total
   int num_objects = 0;
   int num_unseen = 0;  ///< never in the field of view of the camera
-  Certainty certainty;
+  CertaintyCounts certainty;
   double position_se_median_m = 0.0;  ///< of trees: the larger of x and y
   double width_sd_median_m = 0.0;     ///< of trees with a width_sd_m
 };
 
-Inventory take_inventory(const std::vector<Landmark>& landmarks);
+Inventory compute_inventory(const std::vector<Landmark>& landmarks);
 
 /// Trunk cross-sectional area of a trunk: the horticultural measure of its size.
 double tcsa_cm2(double diameter_m);

@@ -52,7 +52,7 @@ std::vector<Vector2d> directions_along_rows(const OrchardPlan& plan) {
   return directions;
 }
 
-PlannedRowFacts facts_of(const PlannedRow& row) {
+PlannedRowFacts row_facts(const PlannedRow& row) {
   PlannedRowFacts facts;
   std::vector<double> steps_m;
   for (std::size_t k = 1; k < row.trees.size(); ++k) {
@@ -60,8 +60,8 @@ PlannedRowFacts facts_of(const PlannedRow& row) {
     facts.length_m += steps_m.back();
   }
   if (steps_m.empty()) return facts;
-  facts.spacing_least_m = *std::min_element(steps_m.begin(), steps_m.end());
-  facts.spacing_most_m = *std::max_element(steps_m.begin(), steps_m.end());
+  facts.spacing_min_m = *std::min_element(steps_m.begin(), steps_m.end());
+  facts.spacing_max_m = *std::max_element(steps_m.begin(), steps_m.end());
   facts.spacing_m = geometry::median(std::move(steps_m));
   return facts;
 }

@@ -44,10 +44,10 @@ std::vector<Eigen::Vector2d> directions_along_rows(const OrchardPlan& plan);
 struct PlannedRowFacts {
   double length_m = 0.0;
   double spacing_m = 0.0;  ///< median distance of neighbours; 0 for a single tree
-  double spacing_least_m = 0.0;
-  double spacing_most_m = 0.0;
+  double spacing_min_m = 0.0;
+  double spacing_max_m = 0.0;
 };
-PlannedRowFacts facts_of(const PlannedRow& row);
+PlannedRowFacts row_facts(const PlannedRow& row);
 
 /// Median distance from a tree to the nearest one of another row [m]; 0 for a single row.
 double typical_alley_m(const OrchardPlan& plan);

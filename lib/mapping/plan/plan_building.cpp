@@ -115,7 +115,7 @@ std::vector<PlannedRow> rows_found(const std::vector<LoosePlannedTree>& trees, B
   for (const Row& row : rows) {
     PlannedRow& r = planned.emplace_back();
     r.name = std::to_string(row.number);
-    for (const RowPlace& place : row.places) {
+    for (const RowSlot& place : row.places) {
       if (place.landmark_id == 0) continue;
       const LoosePlannedTree& tree = trees[static_cast<std::size_t>(place.landmark_id) - 1];
       r.trees.push_back({std::to_string(place.position), tree.p_plan});

@@ -28,7 +28,7 @@ double missing_log_likelihood(double probability_missed) {
 
 double plan_log_likelihood(const IndexedPoints& planned, const geometry::Pose2& T_map_plan,
                            const std::vector<LandmarkPair>& pairs, const PlanNoise& noise,
-                           const MissedAt& missed) {
+                           const MissProbability& missed) {
   double log = 0.0;
   std::vector<bool> has_partner(planned.size(), false);
   for (const LandmarkPair& pair : pairs) {

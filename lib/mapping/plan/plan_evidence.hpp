@@ -16,13 +16,13 @@ struct PlanNoise {
 };
 
 /// Probability that the drive misses an existing tree at a position in map.
-using MissedAt = std::function<double(const Eigen::Vector2d& p_map)>;
+using MissProbability = std::function<double(const Eigen::Vector2d& p_map)>;
 
 /// Log-likelihood of the planned and mapped trees for one placement of the plan. Prior: one planned
 /// tree in twenty is missing, one mapped tree in twenty is extra.
 double plan_log_likelihood(const IndexedPoints& planned, const geometry::Pose2& T_map_plan,
                            const std::vector<LandmarkPair>& pairs, const PlanNoise& noise,
-                           const MissedAt& missed);
+                           const MissProbability& missed);
 
 /// Log-likelihood ratio of a pair at this distance, against an extra mapped tree.
 double pair_gain(double distance_m, const PlanNoise& noise);

@@ -31,8 +31,8 @@ constexpr double kPositionSdMin_m = 0.03;
 
 class PlanFitter {
  public:
-  PlanFitter(const IndexedPoints& mapped, const IndexedPoints& planned, const MissedAt& missed,
-             const MapAlignmentConfig& config)
+  PlanFitter(const IndexedPoints& mapped, const IndexedPoints& planned,
+             const MissProbability& missed, const MapAlignmentConfig& config)
       : mapped_(mapped), planned_(planned), missed_(missed), config_(config) {
     spacing_m_ = typical_spacing_m(planned);
     noise_.gate_m = std::clamp(0.35 * spacing_m_, 0.1, 1.0);
@@ -271,7 +271,7 @@ class PlanFitter {
 
   const IndexedPoints& mapped_;
   const IndexedPoints& planned_;
-  const MissedAt& missed_;
+  const MissProbability& missed_;
   const MapAlignmentConfig& config_;
   AlignmentSearch search_;
   PlanNoise noise_;
@@ -281,8 +281,8 @@ class PlanFitter {
 
 }  // namespace
 
-PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned, const MissedAt& missed,
-                 const MapAlignmentConfig& config) {
+PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned,
+                 const MissProbability& missed, const MapAlignmentConfig& config) {
   if (mapped.size() < 2 || planned.size() < 2) {
     PlanFit fit;
     fit.reason = "at least two trees are needed to register a map to a plan";

@@ -64,7 +64,7 @@ class PlanMatcher {
                          std::to_string(match.fit.placements.size());
       return match;
     }
-    lay(match.T_map_plan());
+    register_plan(match.T_map_plan());
     match.rows.resize(plan_.rows.size());
     shift_rows(match);
     find_trees(match);
@@ -74,7 +74,7 @@ class PlanMatcher {
   }
 
  private:
-  void lay(const geometry::Pose2& T) {
+  void register_plan(const geometry::Pose2& T) {
     for (const Vector2d& p : planned_.points()) places_.push_back(transform(T, p));
     for (const Vector2d& u : directions_along_rows(plan_)) {
       along_.push_back(geometry::rotation(T) * u);
@@ -91,9 +91,9 @@ class PlanMatcher {
   void shift_rows(PlanMatch& match) {
     noise_.position_sd_m = match.fit.position_sd_m;
     const IndexedPoints places(places_);
-    std::vector<LaidRow> laid(plan_.rows.size());
+    std::vector<RegisteredRow> laid(plan_.rows.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      LaidRow& row = laid[static_cast<std::size_t>(indices_[i].row)];
+      RegisteredRow& row = laid[static_cast<std::size_t>(indices_[i].row)];
       row.places_map.push_back(places_[i]);
       row.along.push_back(along_[i]);
     }
@@ -107,7 +107,7 @@ class PlanMatcher {
       match.rows[r].shift = shift_of_row(laid[r], spacing_m_, noise_, missed_);
     }
     for (std::size_t r = 0; r < laid.size(); ++r) {
-      const RowShift usual = usual_shift(match, r);
+      const RowShift usual = median_shift(match, r);
       const RowShift& own = match.rows[r].shift;
       match.rows[r].is_shifted =
           own.num_trees >= 2 && std::hypot(own.along_m - usual.along_m,
@@ -120,7 +120,7 @@ class PlanMatcher {
   }
 
   /// Median shift of the neighbouring rows, which is caused by deformation of the map.
-  RowShift usual_shift(const PlanMatch& match, std::size_t r) const {
+  RowShift median_shift(const PlanMatch& match, std::size_t r) const {
     std::vector<double> along_m, aside_m;
     const auto num = static_cast<int>(plan_.rows.size());
     for (int k = static_cast<int>(r) - kNeighbourRows; k <= static_cast<int>(r) + kNeighbourRows;
@@ -248,7 +248,7 @@ class PlanMatcher {
   std::vector<std::int32_t> tree_index_, object_index_;  ///< into landmarks_
   double spacing_m_ = 0.0;
   double alley_m_ = 0.0;
-  MissedAt missed_;
+  MissProbability missed_;
   PlanNoise noise_;
   std::vector<Vector2d> places_;   ///< planned positions in map
   std::vector<Vector2d> along_;    ///< directions of their rows in map

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/detection_map.hpp"
 #include "mapping/plan/orchard_plan.hpp"
 #include "mapping/plan/plan_fit.hpp"
 #include "mapping/plan/row_shift.hpp"
@@ -56,7 +56,7 @@ struct PlanMatch {
   std::array<int, kNumPlanDeviations> counts{};
   double rms_m = 0.0;  ///< of trees about their positions, without shifted rows
 
-  bool is_laid() const { return !findings.empty(); }
+  bool is_registered() const { return !findings.empty(); }
   const geometry::Pose2& T_map_plan() const { return fit.placements[placement].T_map_plan; }
 };
 

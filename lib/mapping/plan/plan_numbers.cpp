@@ -33,7 +33,7 @@ PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
     tree_numbers.push_back(numbers_of(names));
     Row row;
     row.number = row_numbers[r];
-    row.spacing_m = facts_of(plan.rows[r]).spacing_m;
+    row.spacing_m = row_facts(plan.rows[r]).spacing_m;
     result.rows.push_back(std::move(row));
   }
   for (Landmark& l : landmarks) l.row = l.position = 0;
@@ -63,9 +63,9 @@ PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
   }
   for (Row& row : result.rows) {
     std::stable_sort(row.places.begin(), row.places.end(),
-                     [](const RowPlace& a, const RowPlace& b) { return a.position < b.position; });
+                     [](const RowSlot& a, const RowSlot& b) { return a.position < b.position; });
     // Rows start and end with a tree.
-    const auto is_gap = [](const RowPlace& place) { return place.landmark_id == 0; };
+    const auto is_gap = [](const RowSlot& place) { return place.landmark_id == 0; };
     while (!row.places.empty() && is_gap(row.places.back())) row.places.pop_back();
     row.places.erase(row.places.begin(),
                      std::find_if_not(row.places.begin(), row.places.end(), is_gap));

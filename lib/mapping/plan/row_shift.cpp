@@ -19,7 +19,8 @@ Vector2d aside_of(const Vector2d& along) { return {-along.y(), along.x()}; }
 
 class RowShifter {
  public:
-  RowShifter(const LaidRow& row, double spacing_m, const PlanNoise& noise, const MissedAt& missed)
+  RowShifter(const RegisteredRow& row, double spacing_m, const PlanNoise& noise,
+             const MissProbability& missed)
       : row_(row),
         trees_(row.trees_map),
         spacing_m_(spacing_m),
@@ -101,18 +102,18 @@ class RowShifter {
     return log;
   }
 
-  const LaidRow& row_;
+  const RegisteredRow& row_;
   IndexedPoints trees_;
   double spacing_m_;
   double gate_m_;
   const PlanNoise& noise_;
-  const MissedAt& missed_;
+  const MissProbability& missed_;
 };
 
 }  // namespace
 
-RowShift shift_of_row(const LaidRow& row, double spacing_m, const PlanNoise& noise,
-                      const MissedAt& missed) {
+RowShift shift_of_row(const RegisteredRow& row, double spacing_m, const PlanNoise& noise,
+                      const MissProbability& missed) {
   if (row.trees_map.empty() || row.places_map.empty()) return {};
   return RowShifter(row, spacing_m, noise, missed).find();
 }

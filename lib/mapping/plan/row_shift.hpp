@@ -16,7 +16,7 @@ struct RowShift {
 };
 
 /// One row of the plan, transformed to map.
-struct LaidRow {
+struct RegisteredRow {
   std::vector<Eigen::Vector2d> places_map;
   std::vector<Eigen::Vector2d> along;      ///< unit vectors in map
   std::vector<Eigen::Vector2d> trees_map;  ///< mapped trees that are nearest to this row
@@ -25,7 +25,7 @@ struct LaidRow {
 /// Finds the shift of a row that was planted elsewhere as a whole: up to 1.2 spacings along and
 /// less than half an alley to the side. Maximises the likelihood of trees and empty positions, with
 /// a prior of one shifted row in fifty. The shift is the median offset of the trees.
-RowShift shift_of_row(const LaidRow& row, double spacing_m, const PlanNoise& noise,
-                      const MissedAt& missed);
+RowShift shift_of_row(const RegisteredRow& row, double spacing_m, const PlanNoise& noise,
+                      const MissProbability& missed);
 
 }  // namespace orchard::mapping

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/extent/long_things.hpp"
+#include "mapping/extent/long_objects.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -27,7 +27,7 @@ double distance_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
 /// Clearance at each station and lateral offset of a guide.
 class ClearanceTable {
  public:
-  ClearanceTable(const Guide& guide, const Obstacles& obstacles, const SeenFree& seen_free)
+  ClearanceTable(const Guide& guide, const Obstacles& obstacles, const FreeSpaceTest& seen_free)
       : guide_(guide), reach_(static_cast<int>(std::floor(guide.half_m / kBeside_m + 1e-6))) {
     for (const LinePoint& at : guide.stations) {
       std::vector<double> row(width(), 0.0);
@@ -50,13 +50,13 @@ class ClearanceTable {
     return at.p + kBeside_m * k * right_of(at.along);
   }
 
-  /// Unseen ground counts as occupied. Offsets closer than kHalfWayMin_m to a landmark need not be
-  /// seen: no vehicle's centre passes there, and the landmark's border is the limit.
-  void limit_to_seen(const LinePoint& at, const SeenFree& seen_free,
+  /// Unseen ground counts as occupied. Offsets closer than kHalfCorridorMin_m to a landmark need
+  /// not be seen: no vehicle's centre passes there, and the landmark's border is the limit.
+  void limit_to_seen(const LinePoint& at, const FreeSpaceTest& seen_free,
                      std::vector<double>& row) const {
     std::vector<int> unseen;
     for (int k = -reach_; k <= reach_; ++k) {
-      if (row[index(k)] >= kHalfWayMin_m && !seen_free(point(at, k))) unseen.push_back(k);
+      if (row[index(k)] >= kHalfCorridorMin_m && !seen_free(point(at, k))) unseen.push_back(k);
     }
     for (const int k : unseen) {
       for (int j = -reach_; j <= reach_; ++j) {
@@ -93,7 +93,7 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
     widest = std::move(next);
   }
   const double clearance_m = *std::max_element(widest.begin(), widest.end());
-  if (clearance_m < kHalfWayMin_m) return {};
+  if (clearance_m < kHalfCorridorMin_m) return {};
 
   // Second pass: among lines of that clearance, minimise bends and the distance from the guide.
   std::vector<double> cost(table.width(), 0.0);
@@ -143,13 +143,13 @@ Obstacles::Obstacles(const std::vector<Landmark>& landmarks)
     : places_([&] {
         std::vector<Vector2d> points;
         for (const Landmark& l : landmarks) {
-          const std::vector<Vector2d> line = middle_line(l);
+          const std::vector<Vector2d> line = centre_line(l);
           points.insert(points.end(), line.begin(), line.end());
         }
         return points;
       }()) {
   for (const Landmark& l : landmarks) {
-    radius_m_.resize(radius_m_.size() + middle_line(l).size(), 0.5 * l.width_m);
+    radius_m_.resize(radius_m_.size() + centre_line(l).size(), 0.5 * l.width_m);
     largest_m_ = std::max(largest_m_, 0.5 * l.width_m);
   }
 }
@@ -176,9 +176,9 @@ double Obstacles::clearance_m(const Line& line, double reach_m) const {
 }
 
 std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obstacles,
-                                      const SeenFree& seen_free) {
+                                      const FreeSpaceTest& seen_free) {
   const std::size_t num = guide.stations.size();
-  if (num < 2 * guide.num_extra + 2 || guide.half_m < kHalfWayMin_m) return std::nullopt;
+  if (num < 2 * guide.num_extra + 2 || guide.half_m < kHalfCorridorMin_m) return std::nullopt;
   const ClearanceTable table(guide, obstacles, seen_free);
   std::size_t first = guide.num_extra, last = num - 1 - guide.num_extra;
   const std::vector<int> offsets = best_offsets(table, first, last, guide.pinned);
@@ -204,7 +204,7 @@ std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obsta
   }
   corridor.line.insert(corridor.line.begin(), ahead.rbegin(), ahead.rend());
   half_m = std::min(half_m, obstacles.clearance_m(corridor.line, guide.half_m));
-  if (half_m < kHalfWayMin_m) return std::nullopt;
+  if (half_m < kHalfCorridorMin_m) return std::nullopt;
   corridor.width_m = 2.0 * half_m;
   return corridor;
 }

@@ -9,16 +9,16 @@
 
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/landmark.hpp"
-#include "mapping/rows/walked_line.hpp"
+#include "mapping/rows/polyline.hpp"
 
 namespace orchard::mapping {
 
 /// Minimum half width of a corridor [m]; vehicles need more.
-inline constexpr double kHalfWayMin_m = 0.35;
+inline constexpr double kHalfCorridorMin_m = 0.35;
 
 /// Whether a position in map was observed free or driven over. If empty, only the landmarks limit a
 /// corridor.
-using SeenFree = std::function<bool(const Eigen::Vector2d& p_map)>;
+using FreeSpaceTest = std::function<bool(const Eigen::Vector2d& p_map)>;
 
 /// All landmarks with their extent, regardless of class.
 class Obstacles {
@@ -53,9 +53,9 @@ struct Guide {
 };
 
 /// Finds the line along the guide with the largest minimum clearance; among equal ones, the one
-/// nearest to the guide. None if that clearance is below kHalfWayMin_m or the ground beside the
-/// line was not observed free.
+/// nearest to the guide. None if that clearance is below kHalfCorridorMin_m or the ground beside
+/// the line was not observed free.
 std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obstacles,
-                                      const SeenFree& seen_free);
+                                      const FreeSpaceTest& seen_free);
 
 }  // namespace orchard::mapping

@@ -19,7 +19,7 @@ constexpr double kSideReach_m = 15.0;  ///< max distance of neighbouring rows
 
 Line line_of(const Row& row) {
   Line line;
-  for (const RowPlace& place : row.places) line.push_back(place.p_map);
+  for (const RowSlot& place : row.places) line.push_back(place.p_map);
   return line;
 }
 
@@ -99,7 +99,7 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
 
 std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
   std::vector<std::vector<LinePoint>> walks;
-  for (const Line& line : lines) walks.push_back(walked(line, kWayStep_m));
+  for (const Line& line : lines) walks.push_back(sample_line(line, kWayStep_m));
   std::vector<Alley> alleys;
   std::vector<double> distances_m;
   for (std::size_t r = 0; r < lines.size(); ++r) {
@@ -112,10 +112,11 @@ std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
     distances_m.push_back(alley.distance_m);
     alleys.push_back(std::move(alley));
   }
-  const double widest_m = kWidestAlley * geometry::median(distances_m);
-  alleys.erase(std::remove_if(alleys.begin(), alleys.end(),
-                              [&](const Alley& alley) { return alley.distance_m > widest_m; }),
-               alleys.end());
+  const double alley_width_max_m = kWidestAlley * geometry::median(distances_m);
+  alleys.erase(
+      std::remove_if(alleys.begin(), alleys.end(),
+                     [&](const Alley& alley) { return alley.distance_m > alley_width_max_m; }),
+      alleys.end());
   return alleys;
 }
 
@@ -148,7 +149,7 @@ Guide guide_of(const Alley& alley) {
 class GraphBuilder {
  public:
   GraphBuilder(const std::vector<Landmark>& landmarks, const std::vector<Row>& rows,
-               const SeenFree& seen_free)
+               const FreeSpaceTest& seen_free)
       : rows_(rows), obstacles_(landmarks), seen_free_(seen_free) {
     for (const Row& row : rows) lines_.push_back(line_of(row));
   }
@@ -192,7 +193,7 @@ class GraphBuilder {
     alley.from = add_node(corridor->line.front());
     alley.to = add_node(corridor->line.back());
     NavigationEdge edge;
-    edge.kind = WayKind::kAlley;
+    edge.kind = EdgeKind::kAlley;
     edge.from = alley.from;
     edge.to = alley.to;
     edge.row_left = rows_[alley.left].number;
@@ -205,7 +206,7 @@ class GraphBuilder {
     const Line& row = lines_[alley.right];
     const double beyond_m = 0.25 * (alley.distance_m + next.distance_m);
     NavigationEdge edge;
-    edge.kind = WayKind::kHeadland;
+    edge.kind = EdgeKind::kHeadland;
     edge.from = at_end ? alley.to : alley.from;
     edge.to = at_end ? next.to : next.from;
     edge.row_left = rows_[alley.right].number;
@@ -213,9 +214,9 @@ class GraphBuilder {
         at_end ? Vector2d(row.back() - row[row.size() - 2]) : Vector2d(row.front() - row[1]);
     Guide guide;
     guide.stations =
-        walked(round_end(node_at(edge.from), node_at(edge.to), at_end ? row.back() : row.front(),
-                         outwards.normalized(), beyond_m),
-               kWayStep_m);
+        sample_line(round_end(node_at(edge.from), node_at(edge.to),
+                              at_end ? row.back() : row.front(), outwards.normalized(), beyond_m),
+                    kWayStep_m);
     guide.half_m = beyond_m;
     guide.pinned = true;
     if (auto corridor = free_corridor(guide, obstacles_, seen_free_)) {
@@ -226,14 +227,14 @@ class GraphBuilder {
   const std::vector<Row>& rows_;
   std::vector<Line> lines_;
   Obstacles obstacles_;
-  const SeenFree& seen_free_;
+  const FreeSpaceTest& seen_free_;
   NavigationGraph graph_;
 };
 
 }  // namespace
 
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
-                                 const std::vector<Row>& rows, const SeenFree& seen_free) {
+                                 const std::vector<Row>& rows, const FreeSpaceTest& seen_free) {
   return GraphBuilder(landmarks, rows, seen_free).build();
 }
 

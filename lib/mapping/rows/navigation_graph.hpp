@@ -11,7 +11,7 @@
 
 namespace orchard::mapping {
 
-enum class WayKind { kAlley, kHeadland };
+enum class EdgeKind { kAlley, kHeadland };
 
 /// A node of the navigation graph: the end of an alley, on the headland.
 struct NavigationNode {
@@ -22,7 +22,7 @@ struct NavigationNode {
 /// An edge that a vehicle can follow in both directions.
 struct NavigationEdge {
   std::int32_t id = 0;  ///< from 1
-  WayKind kind = WayKind::kAlley;
+  EdgeKind kind = EdgeKind::kAlley;
   std::int32_t from = 0, to = 0;  ///< node ids; an alley runs in the direction of rising positions
   std::int32_t row_left = 0;      ///< row left of the alley; of a headland, the row it goes around
   std::int32_t row_right = 0;     ///< row right of the alley; 0 for a headland
@@ -40,12 +40,12 @@ struct NavigationGraph {
 /// rows' ends.
 ///
 /// Each edge is the line with the largest clearance from all landmarks on ground that was observed
-/// free; edges narrower than 2 kHalfWayMin_m are omitted. There are no alleys between rows farther
-/// apart than 2.5 times the median distance, nor outside the outermost rows, where free ground is
-/// unknown. Alleys extend beyond the rows' ends by up to half their width. Without `seen_free` only
-/// the landmarks count.
+/// free; edges narrower than 2 kHalfCorridorMin_m are omitted. There are no alleys between rows
+/// farther apart than 2.5 times the median distance, nor outside the outermost rows, where free
+/// ground is unknown. Alleys extend beyond the rows' ends by up to half their width. Without
+/// `seen_free` only the landmarks count.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
-                                 const std::vector<Row>& rows, const SeenFree& seen_free = {});
+                                 const std::vector<Row>& rows, const FreeSpaceTest& seen_free = {});
 
 /// Statistics of the distances between neighbouring trees of a row [m]; pairs with an empty slot
 /// between them are not counted.

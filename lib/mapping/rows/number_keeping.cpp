@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
+#include "mapping/compare/local_deformation.hpp"
 #include "mapping/compare/map_comparison.hpp"
-#include "mapping/compare/straightening.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -17,7 +17,7 @@ using Number = std::pair<std::int32_t, std::int32_t>;  ///< row, position
 /// Number of the earlier row with most known trees of this row; 0 without any.
 std::int32_t known_row(const Row& row, const std::map<std::int32_t, Number>& numbers) {
   std::map<std::int32_t, int> votes;
-  for (const RowPlace& place : row.places) {
+  for (const RowSlot& place : row.places) {
     const auto found = numbers.find(place.landmark_id);
     if (place.landmark_id != 0 && found != numbers.end()) ++votes[found->second.first];
   }
@@ -33,7 +33,7 @@ std::int32_t known_row(const Row& row, const std::map<std::int32_t, Number>& num
 void turn_as_known(Row& row, const std::map<std::int32_t, Number>& numbers) {
   int rising = 0;
   std::int32_t last = 0;
-  for (const RowPlace& place : row.places) {
+  for (const RowSlot& place : row.places) {
     const auto found = numbers.find(place.landmark_id);
     if (place.landmark_id == 0 || found == numbers.end() || found->second.second == 0) continue;
     if (last != 0) rising += found->second.second > last ? 1 : -1;
@@ -41,7 +41,7 @@ void turn_as_known(Row& row, const std::map<std::int32_t, Number>& numbers) {
   }
   if (rising >= 0) return;
   std::reverse(row.places.begin(), row.places.end());
-  for (RowPlace& place : row.places) place.position = -place.position;
+  for (RowSlot& place : row.places) place.position = -place.position;
 }
 
 /// Positions of a row's slots, counted from its known trees; 0 where no number is free.
@@ -79,18 +79,18 @@ std::vector<std::int32_t> kept_positions(const Row& row, std::int32_t number,
 
 }  // namespace
 
-KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
-                     std::int32_t& next_id, std::vector<Landmark>& landmarks) {
+IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
+                    std::int32_t& next_id, std::vector<Landmark>& landmarks) {
   std::vector<std::int32_t> kept_id(landmarks.size(), 0);
   std::vector<bool> is_found(earlier.size(), false);
-  KeptNumbers kept;
+  IdTransfer kept;
   const auto keep = [&](std::int32_t of_earlier, std::int32_t of_now) {
     kept_id[static_cast<std::size_t>(of_now)] = earlier[static_cast<std::size_t>(of_earlier)].id;
     is_found[static_cast<std::size_t>(of_earlier)] = true;
     ++kept.num_found;
   };
-  const IndexedPoints then(places_of(earlier)), now(places_of(landmarks));
-  const IndexedPoints laid(aligned_locally(then, now, alignment));
+  const IndexedPoints then(landmark_positions(earlier)), now(landmark_positions(landmarks));
+  const IndexedPoints laid(without_local_deformation(then, now, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(then), 0.1, 0.5);
   // Trees: use the pairs of compare_maps(), which recognises a tree planted beside a missing one.
   // Pairs farther apart than gate_m may be moved trees, but are too uncertain.
@@ -119,7 +119,7 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
 }
 
 void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
-                  std::vector<Landmark>& landmarks, KeptNumbers& kept) {
+                  std::vector<Landmark>& landmarks, IdTransfer& kept) {
   std::set<std::int32_t> present;
   for (const Landmark& l : landmarks) present.insert(l.id);
   std::map<std::int32_t, Number> numbers;
@@ -147,7 +147,7 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
     numbered.number = number;
     numbered.spacing_m = row.spacing_m;
     for (std::size_t i = 0; i < row.places.size(); ++i) {
-      RowPlace place = row.places[i];
+      RowSlot place = row.places[i];
       if (is_known) place.position = positions[i];
       const bool is_tree = place.landmark_id != 0;
       if (!is_tree && place.position == 0) continue;  // an empty slot without a number
@@ -176,7 +176,7 @@ std::vector<Row> rows_as_numbered(std::vector<Landmark>& landmarks, const RowsCo
       std::any_of(landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.row != 0; });
   if (!has_numbers) return {};
   std::vector<Row> rows = find_rows(landmarks, config);
-  KeptNumbers kept;
+  IdTransfer kept;
   const std::vector<Landmark> known = landmarks;
   keep_numbers(known, rows, landmarks, kept);
   return rows;

@@ -7,7 +7,7 @@
 namespace orchard::mapping {
 
 /// Statistics of keeping ids and numbers of an earlier map.
-struct KeptNumbers {
+struct IdTransfer {
   int num_found = 0;           ///< landmarks found again, which keep their ids
   int num_gone = 0;            ///< landmarks of the earlier map not found again
   int num_new = 0;             ///< landmarks with new ids
@@ -18,8 +18,8 @@ struct KeptNumbers {
 /// positions of earlier ones get their ids; all others get ids from `next_id` on, in order of their
 /// previous ids. Sorts the landmarks by id. A tree planted beside a missing one is recognised by
 /// position and width (compare_maps()).
-KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
-                     std::int32_t& next_id, std::vector<Landmark>& landmarks);
+IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
+                    std::int32_t& next_id, std::vector<Landmark>& landmarks);
 
 /// Numbers the rows of a map so that no number of an earlier map is given to another tree.
 ///
@@ -30,7 +30,7 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
 /// gets the next unused row number. Known trees that are in no row any more keep their numbers.
 /// Rows are returned in order of number.
 void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
-                  std::vector<Landmark>& landmarks, KeptNumbers& kept);
+                  std::vector<Landmark>& landmarks, IdTransfer& kept);
 
 /// Rows of an already numbered map: those of find_rows(), with the existing numbers; trees of a row
 /// without number get one. Empty if no landmark has a number.

@@ -97,8 +97,8 @@ double off_m(const End& end, double row_curvature) {
 
 }  // namespace
 
-void cut_ends_beside(const std::vector<Vector2d>& p_map, double spacing_m,
-                     std::vector<RowChain>& chains) {
+void trim_row_ends(const std::vector<Vector2d>& p_map, double spacing_m,
+                   std::vector<RowChain>& chains) {
   for (int end = 0; end < 2; ++end) {
     std::vector<std::vector<End>> ends;
     std::vector<End> all;

@@ -133,7 +133,7 @@ RowEvidence row_evidence(const std::vector<Vector2d>& p_map, const RowChain& cha
   return evidence;
 }
 
-void keep_planted(const std::vector<Vector2d>& p_map, std::vector<RowChain>& chains) {
+void drop_irregular_chains(const std::vector<Vector2d>& p_map, std::vector<RowChain>& chains) {
   const double spacing_m = orchard_spacing_m(p_map, chains);
   std::vector<RowChain> regular;
   std::vector<double> log_odds;

@@ -25,6 +25,7 @@ RowEvidence row_evidence(const std::vector<Eigen::Vector2d>& p_map, const RowCha
 /// Removes chains that are not rows: those whose steps are irregular, and those too close to a more
 /// certain row for the row distance of this orchard. Removes hedges, bushes and objects in line by
 /// chance.
-void keep_planted(const std::vector<Eigen::Vector2d>& p_map, std::vector<RowChain>& chains);
+void drop_irregular_chains(const std::vector<Eigen::Vector2d>& p_map,
+                           std::vector<RowChain>& chains);
 
 }  // namespace orchard::mapping

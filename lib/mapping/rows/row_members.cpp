@@ -99,7 +99,7 @@ std::vector<double> row_strengths(const std::vector<const Landmark*>& trees) {
   return strengths;
 }
 
-RowMakers row_makers(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths) {
+SeedTrees seed_trees(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths) {
   std::vector<Vector2d> strong;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (strengths[i] >= 1.0) strong.push_back(p_map[i]);
@@ -112,22 +112,22 @@ RowMakers row_makers(const std::vector<Vector2d>& p_map, const std::vector<doubl
   std::stable_sort(by_strength.begin(), by_strength.end(),
                    [&](std::size_t a, std::size_t b) { return strengths[a] > strengths[b]; });
   std::vector<char> stands(p_map.size(), 0);
-  RowMakers result;
+  SeedTrees result;
   for (const std::size_t i : by_strength) {
     const std::vector<std::int32_t> near = all.within(p_map[i], reach_m);
     if (std::any_of(near.begin(), near.end(), [&](std::int32_t k) { return stands[index(k)]; })) {
       continue;
     }
     stands[i] = 1;
-    (strengths[i] >= 1.0 ? result.makers : result.rest).push_back(i);
+    (strengths[i] >= 1.0 ? result.seeds : result.rest).push_back(i);
   }
-  std::sort(result.makers.begin(), result.makers.end());
+  std::sort(result.seeds.begin(), result.seeds.end());
   std::sort(result.rest.begin(), result.rest.end());
   return result;
 }
 
-void join_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
-                 const std::vector<std::size_t>& rest, std::vector<RowChain>& chains) {
+void join_weak_trees(const std::vector<Vector2d>& p_map, const RowDirections& rows,
+                     const std::vector<std::size_t>& rest, std::vector<RowChain>& chains) {
   std::vector<Vector2d> members;
   std::vector<std::size_t> chain_of;
   for (std::size_t c = 0; c < chains.size(); ++c) {
@@ -170,8 +170,8 @@ void join_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
   }
 }
 
-void mend_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
-                 std::vector<RowChain>& chains) {
+void bridge_chain_gaps(const std::vector<Vector2d>& p_map, const RowDirections& rows,
+                       std::vector<RowChain>& chains) {
   std::vector<Vector2d> starts;
   std::vector<std::size_t> chain_of;
   for (std::size_t c = 0; c < chains.size(); ++c) {
@@ -205,8 +205,8 @@ void mend_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
                chains.end());
 }
 
-RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths,
-                   const RowChain& chain) {
+RowChain select_trees_in_slots(const std::vector<Vector2d>& p_map,
+                               const std::vector<double>& strengths, const RowChain& chain) {
   std::vector<double> steps_m;  // between trees of full strength
   std::int32_t last = -1;
   for (const std::int32_t i : chain) {

@@ -150,7 +150,7 @@ double single_step_m(std::vector<double> steps_m) {
   return geometry::median(single);
 }
 
-std::vector<std::vector<int>> positions_of(const std::vector<Vector2d>& p_map,
+std::vector<std::vector<int>> slot_indices(const std::vector<Vector2d>& p_map,
                                            const std::vector<RowChain>& chains) {
   std::vector<std::vector<int>> positions;
   for (const RowChain& chain : chains) positions.push_back(places_within(p_map, chain));
@@ -180,8 +180,8 @@ std::vector<std::vector<int>> positions_of(const std::vector<Vector2d>& p_map,
   return positions;
 }
 
-double place_spacing_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
-                       const std::vector<int>& positions) {
+double slot_spacing_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
+                      const std::vector<int>& positions) {
   std::vector<double> spacings_m;
   for (std::size_t i = 1; i < chain.size(); ++i) {
     const double step_m =

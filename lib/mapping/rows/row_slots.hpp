@@ -8,7 +8,7 @@ namespace orchard::mapping {
 /// Slot index of every tree of every chain, from 0, counting empty slots: inside a chain by the
 /// local spacing; before its first tree by the starts of the neighbouring chains, so that missing
 /// first trees are counted. `chains` must be in lateral order.
-std::vector<std::vector<int>> positions_of(const std::vector<Eigen::Vector2d>& p_map,
+std::vector<std::vector<int>> slot_indices(const std::vector<Eigen::Vector2d>& p_map,
                                            const std::vector<RowChain>& chains);
 
 /// Distance of neighbouring slots from the steps between successive trees: the median of the single
@@ -16,7 +16,7 @@ std::vector<std::vector<int>> positions_of(const std::vector<Eigen::Vector2d>& p
 double single_step_m(std::vector<double> steps_m);
 
 /// Median distance between neighbouring slots of a chain [m].
-double place_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
-                       const std::vector<int>& positions);
+double slot_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
+                      const std::vector<int>& positions);
 
 }  // namespace orchard::mapping

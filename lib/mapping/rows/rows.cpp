@@ -88,7 +88,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   std::vector<Vector2d> p_all;
   for (const Landmark* tree : all) p_all.push_back({tree->x_m, tree->y_m});
   const std::vector<double> strength_of_all = row_strengths(all);
-  const RowMakers chosen = row_makers(p_all, strength_of_all);
+  const SeedTrees chosen = seed_trees(p_all, strength_of_all);
   Lines lines;
   std::vector<const Landmark*> trees;
   std::vector<double> strengths;
@@ -97,25 +97,25 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
     lines.p_map.push_back(p_all[i]);
     strengths.push_back(strength_of_all[i]);
   };
-  for (const std::size_t i : chosen.makers) take(i);
+  for (const std::size_t i : chosen.seeds) take(i);
   lines.rows = row_directions(lines.p_map);
   if (lines.rows.directions.empty()) return {};
   if (forward_of(lines.rows.directions, config).dot(lines.rows.directions.front()) < 0.0) {
     for (Vector2d& u : lines.rows.directions) u = -u;
   }
   lines.chains = row_chains(lines.p_map, lines.rows, kGapMax_spacings);
-  mend_chains(lines.p_map, lines.rows, lines.chains);
-  const IndexedPoints makers(lines.p_map);
+  bridge_chain_gaps(lines.p_map, lines.rows, lines.chains);
+  const IndexedPoints seeds(lines.p_map);
   std::vector<std::size_t> rest;
   for (const std::size_t i : chosen.rest) {
-    const std::int32_t k = makers.nearest(p_all[i], 1.5 * lines.rows.spacing_m);
+    const std::int32_t k = seeds.nearest(p_all[i], 1.5 * lines.rows.spacing_m);
     if (k < 0) continue;
     rest.push_back(trees.size());
     take(i);
     lines.rows.directions.push_back(lines.rows.directions[static_cast<std::size_t>(k)]);
   }
-  join_chains(lines.p_map, lines.rows, rest, lines.chains);
-  for (RowChain& chain : lines.chains) chain = in_places(lines.p_map, strengths, chain);
+  join_weak_trees(lines.p_map, lines.rows, rest, lines.chains);
+  for (RowChain& chain : lines.chains) chain = select_trees_in_slots(lines.p_map, strengths, chain);
   const Vector2d forward = forward_of(lines.rows.directions, config).normalized();
   const auto is_no_row = [&](const RowChain& chain) {
     if (chain.size() < static_cast<std::size_t>(kRowTreesMin)) return true;
@@ -125,25 +125,25 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   };
   lines.chains.erase(std::remove_if(lines.chains.begin(), lines.chains.end(), is_no_row),
                      lines.chains.end());
-  keep_planted(lines.p_map, lines.chains);
+  drop_irregular_chains(lines.p_map, lines.chains);
   if (lines.chains.empty()) return {};
-  cut_ends_beside(lines.p_map, lines.rows.spacing_m, lines.chains);
+  trim_row_ends(lines.p_map, lines.rows.spacing_m, lines.chains);
   order_from_left(lines.p_map, lines.rows, lines.chains);
   if (config.numbering == RowNumbering::kOrigin) {
     begin_at_origin(lines, {config.origin_m[0], config.origin_m[1]});
   }
 
-  const std::vector<std::vector<int>> positions = positions_of(lines.p_map, lines.chains);
+  const std::vector<std::vector<int>> positions = slot_indices(lines.p_map, lines.chains);
   std::vector<Row> rows;
   for (std::size_t r = 0; r < lines.chains.size(); ++r) {
     Row row;
     row.number = config.first_row + static_cast<int>(r);
-    row.spacing_m = place_spacing_m(lines.p_map, lines.chains[r], positions[r]);
+    row.spacing_m = slot_spacing_m(lines.p_map, lines.chains[r], positions[r]);
     for (std::size_t i = 0; i < lines.chains[r].size(); ++i) {
       const auto tree = static_cast<std::size_t>(lines.chains[r][i]);
       const Vector2d& p = lines.p_map[tree];
       if (i > 0) {  // interpolate the empty slots between
-        const RowPlace before = row.places.back();
+        const RowSlot before = row.places.back();
         const int num_steps = positions[r][i] - positions[r][i - 1];
         for (int k = 1; k < num_steps; ++k) {
           row.places.push_back(
@@ -160,7 +160,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks) {
   std::map<std::int32_t, std::pair<std::int32_t, std::int32_t>> numbers;
   for (const Row& row : rows) {
-    for (const RowPlace& place : row.places) {
+    for (const RowSlot& place : row.places) {
       if (place.landmark_id != 0) numbers[place.landmark_id] = {row.number, place.position};
     }
   }

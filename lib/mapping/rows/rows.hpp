@@ -11,7 +11,7 @@
 namespace orchard::mapping {
 
 /// A slot of a row: occupied by a tree, or empty.
-struct RowPlace {
+struct RowSlot {
   std::int32_t position = 0;     ///< number along the row
   std::int32_t landmark_id = 0;  ///< 0: empty
   Eigen::Vector2d p_map{0, 0};   ///< of the tree, or where it would stand
@@ -20,8 +20,8 @@ struct RowPlace {
 /// Trees in line.
 struct Row {
   std::int32_t number = 0;
-  double spacing_m = 0.0;        ///< median distance of neighbouring slots
-  std::vector<RowPlace> places;  ///< in order of position; the first and last are occupied
+  double spacing_m = 0.0;       ///< median distance of neighbouring slots
+  std::vector<RowSlot> places;  ///< in order of position; the first and last are occupied
 };
 
 /// Finds the rows of a map, straight or curved, and numbers rows and slots.

@@ -12,7 +12,7 @@
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/position_mode.hpp"
-#include "mapping/store/cold_array.hpp"
+#include "mapping/store/chunked_array.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -21,10 +21,11 @@ namespace orchard::mapping {
 /// each scan has the pose of base and the free-space evidence of its beams.
 class ObservationStore {
  public:
-  explicit ObservationStore(std::shared_ptr<ChunkMemory> memory = std::make_shared<HeapMemory>())
+  explicit ObservationStore(
+      std::shared_ptr<ChunkAllocator> memory = std::make_shared<HeapChunkAllocator>())
       : memory_(memory), scans_(memory), observations_(memory), beams_(memory) {}
 
-  const std::shared_ptr<ChunkMemory>& memory() const { return memory_; }
+  const std::shared_ptr<ChunkAllocator>& memory() const { return memory_; }
 
   /// Starts the next scan; `free_space` may be null.
   void add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space);
@@ -84,10 +85,10 @@ class ObservationStore {
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
 
-  std::shared_ptr<ChunkMemory> memory_;
-  ColdArray<Scan> scans_;
-  ColdArray<Observation> observations_;
-  ColdArray<std::uint8_t> beams_;  ///< packed free-space evidence
+  std::shared_ptr<ChunkAllocator> memory_;
+  ChunkedArray<Scan> scans_;
+  ChunkedArray<Observation> observations_;
+  ChunkedArray<std::uint8_t> beams_;  ///< packed free-space evidence
 };
 
 }  // namespace orchard::mapping

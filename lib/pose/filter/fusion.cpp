@@ -56,7 +56,7 @@ Fusion::Fusion(const PoseConfig& config)
     : config_(config),
       filter_(config.fusion),
       positions_(config.gnss),
-      heading_start_(config.heading_baseline_m),
+      heading_initialiser_(config.heading_baseline_m),
       is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {
   if (!is_placed_) smoother_.emplace(config);
 }
@@ -75,11 +75,11 @@ void Fusion::add(const Measurement& measurement) {
 }
 
 void Fusion::add(const Odometry& odometry) {
-  const double silent_s = silence_s(odometry.utime);
+  const double silent_s = time_since_motion_s(odometry.utime);
   if (silent_s > config_.odometry_gap_max_s) {
     move_to(odometry.utime);
-    ++num_silences_;
-    silence_most_s_ = std::max(silence_most_s_, silent_s);
+    ++num_odometry_gaps_;
+    odometry_gap_max_s_ = std::max(odometry_gap_max_s_, silent_s);
     note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot in that time is unknown",
                      silent_s));
   } else {
@@ -88,17 +88,17 @@ void Fusion::add(const Odometry& odometry) {
   }
   odometry_ = odometry;
   if (smoother_) {
-    smoother_->add(motion_heard(), filter_.mean().head<3>());
+    smoother_->add(last_measured_motion(), filter_.mean().head<3>());
     if (const auto pose = smoother_->observe()) {
       // With an IMU the turns come from the gyro and do not show the wheels' errors.
-      const auto changes = smoother_->wheel_changes();
-      if (changes && !config_.fusion.use_imu) filter_.set_wheel_changes(*changes);
-      filter_.adopt(pose->T_map_base, pose->covariance, pose->receiver_error_m);
+      const auto changes = smoother_->wheel_error_noise();
+      if (changes && !config_.fusion.use_imu) filter_.set_wheel_error_noise(*changes);
+      filter_.set_smoothed_pose(pose->T_map_base, pose->covariance, pose->receiver_error_m);
     }
   }
   const bool stands = std::abs(odometry.speed_mps) < kStandingSpeed_mps &&
                       std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
-  if (stands && hears_gyro_at(odometry.utime)) {
+  if (stands && has_gyro_at(odometry.utime)) {
     const double sd_radps = std::max(config_.fusion.gyro_sd_radps, 1e-4);
     filter_.correct_gyro_bias(imu_->angular_rate_radps[2], geometry::square(sd_radps));
   }
@@ -124,15 +124,15 @@ void Fusion::add(const Gnss& gnss) {
   observation.p_map_m = position->p_enu_m;
   observation.covariance = position->covariance;
   observation.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
-  observation.by_receiver = true;
+  observation.is_gnss = true;
   const Eigen::Vector2d antenna_m = filter_.p_map_m(observation.p_base_m);
   if (last_fix_ && is_placed_ && timing::seconds(gnss.utime - last_fix_->utime) <= kFixStep_s) {
     monitor_.add_step_error((observation.p_map_m - last_fix_->p_map_m) -
                             (antenna_m - last_fix_->antenna_m));
   }
-  weigh(observation);
+  set_receiver_noise(observation);
   if (odometry_) {
-    take_position(observation);
+    use_position(observation);
     observation.covariance = position->covariance;  // the smoother weighs positions by itself
     smooth(observation);
   }
@@ -141,7 +141,7 @@ void Fusion::add(const Gnss& gnss) {
 
 /// Splits the variance of a fix into white noise and a time-correlated error, by the scatter of the
 /// receiver's steps.
-void Fusion::weigh(PositionObservation& observation) {
+void Fusion::set_receiver_noise(PositionObservation& observation) {
   const double claimed = observation.covariance.diagonal().maxCoeff();
   const std::optional<double> scatter_m = monitor_.scatter_m();
   if (!scatter_m) {
@@ -161,43 +161,43 @@ void Fusion::weigh(PositionObservation& observation) {
   filter_.set_receiver_variance(lasting);
 }
 
-bool Fusion::is_left_out(const PositionObservation& observation) {
-  if (filter_.distance2(observation) <= geometry::square(kGnssGate_sigma)) return false;
+bool Fusion::is_outlier(const PositionObservation& observation) {
+  if (filter_.mahalanobis2(observation) <= geometry::square(kGnssGate_sigma)) return false;
   const double off_m = (observation.p_map_m - filter_.p_map_m(observation.p_base_m)).norm();
   if (off_m > kWheelsOff * taken_travel_m_) {
-    if (!left_out_since_) left_out_since_ = *utime_;
-    const double since_s = timing::seconds(*utime_ - *left_out_since_);
+    if (!outliers_since_) outliers_since_ = *utime_;
+    const double since_s = timing::seconds(*utime_ - *outliers_since_);
     // Either these fixes are wrong (reflected signals) or those before: trust the longer series
     // since the last gap.
-    const double patience_s = timing::seconds(*left_out_since_ - borne_out_since_);
+    const double patience_s = timing::seconds(*outliers_since_ - consistent_since_);
     if (since_s < std::min(kRevalidation_s, patience_s)) {
       note(fmt::format(
           "GNSS is {:.1f} m from any possible position of the robot: ignored for {:.1f} s", off_m,
           since_s));
       return true;
     }
-    filter_.forget_receiver_error();
+    filter_.reset_receiver_error();
   }
-  filter_.doubt(geometry::square(off_m), geometry::square(kWheelsOffYaw_rad));
+  filter_.inflate_covariance(geometry::square(off_m), geometry::square(kWheelsOffYaw_rad));
   return false;
 }
 
-void Fusion::take_position(const PositionObservation& observation) {
+void Fusion::use_position(const PositionObservation& observation) {
   if (!is_placed_) {
     const auto frame =
-        heading_start_.add(filter_.p_map_m(observation.p_base_m), observation.p_map_m,
-                           observation.covariance.diagonal().maxCoeff());
+        heading_initialiser_.add(filter_.p_map_m(observation.p_base_m), observation.p_map_m,
+                                 observation.covariance.diagonal().maxCoeff());
     if (frame) start(*frame);
     return;
   }
-  filter_.forget_lost_heading();
+  filter_.decorrelate_unknown_heading();
   const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
   const double claimed = observation.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
   // After a gap the earlier agreement no longer counts.
-  if (!left_out_since_ && known > kGapSure * claimed) borne_out_since_ = *utime_;
-  if (is_left_out(observation)) return;
-  if (left_out_since_) borne_out_since_ = *left_out_since_;
-  left_out_since_.reset();
+  if (!outliers_since_ && known > kGapSure * claimed) consistent_since_ = *utime_;
+  if (is_outlier(observation)) return;
+  if (outliers_since_) consistent_since_ = *outliers_since_;
+  outliers_since_.reset();
   taken_travel_m_ = 0.0;
   filter_.correct(observation);
 }
@@ -216,9 +216,9 @@ void Fusion::start(const LocalFrame& frame) {
   covariance.topRightCorner<2, 1>() = frame.yaw_variance * by_yaw;
   covariance.bottomLeftCorner<1, 2>() = covariance.topRightCorner<2, 1>().transpose();
   covariance(2, 2) = frame.yaw_variance;
-  borne_out_since_ = *utime_;
+  consistent_since_ = *utime_;
   place(in_map, covariance);
-  filter_.forget_receiver_error();
+  filter_.reset_receiver_error();
 }
 
 void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance) {
@@ -234,7 +234,7 @@ void Fusion::smooth(const PositionObservation& observation, std::optional<double
   position.lever_base_m = observation.p_base_m;
   position.p_map = observation.p_map_m;
   position.covariance = observation.covariance;
-  position.by_receiver = observation.by_receiver;
+  position.is_gnss = observation.is_gnss;
   position.has_yaw = yaw_rad.has_value();
   position.yaw_rad = yaw_rad.value_or(0.0);
   position.yaw_sd_rad = yaw_sd_rad;
@@ -242,9 +242,9 @@ void Fusion::smooth(const PositionObservation& observation, std::optional<double
 }
 
 /// Returns the last odometry, with the gyro's yaw rate if it is fresh.
-Odometry Fusion::motion_heard() const {
+Odometry Fusion::last_measured_motion() const {
   Odometry heard = *odometry_;
-  if (!hears_gyro_at(heard.utime)) return heard;
+  if (!has_gyro_at(heard.utime)) return heard;
   if (heard.covariance[0] <= 0.0)
     heard.covariance[0] = geometry::square(config_.speed_sd_fraction * heard.speed_mps);
   heard.yaw_rate_radps = imu_->angular_rate_radps[2];
@@ -285,17 +285,17 @@ void Fusion::add(const PoseFix& fix) {
     return;
   }
   if (!odometry_) return;
-  take_position(observation);
+  use_position(observation);
   smooth(observation, fix.has_yaw ? std::optional(fix.yaw_rad) : std::nullopt,
          std::sqrt(yaw_variance));
   if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
 }
 
-bool Fusion::hears_gyro_at(std::int64_t utime) const {
+bool Fusion::has_gyro_at(std::int64_t utime) const {
   return imu_ && timing::seconds(utime - imu_->utime) <= kImuFresh_s;
 }
 
-double Fusion::silence_s(std::int64_t utime) const {
+double Fusion::time_since_motion_s(std::int64_t utime) const {
   return odometry_ ? timing::seconds(utime - odometry_->utime) : 0.0;
 }
 
@@ -304,18 +304,18 @@ void Fusion::move_to(std::int64_t utime) {
     if (!utime_) utime_ = utime;
     return;
   }
-  const double silent_s = silence_s(utime);
+  const double silent_s = time_since_motion_s(utime);
   if (silent_s <= config_.odometry_gap_max_s) {
     move_to(utime, odometry_->speed_mps, odometry_->yaw_rate_radps);
     return;
   }
   // Model: constant but unknown velocity since the last odometry.
-  const double before_s = std::max(0.0, silence_s(*utime_));
+  const double before_s = std::max(0.0, time_since_motion_s(*utime_));
   const double grown = geometry::square(silent_s) - geometry::square(before_s);
   const double yaw_variance =
-      hears_gyro_at(utime) ? 0.0 : geometry::square(kSilenceYawRateSd_radps) * grown;
-  filter_.doubt(geometry::square(kSilenceSpeedSd_mps) * grown, yaw_variance);
-  if (hears_gyro_at(utime)) {
+      has_gyro_at(utime) ? 0.0 : geometry::square(kSilenceYawRateSd_radps) * grown;
+  filter_.inflate_covariance(geometry::square(kSilenceSpeedSd_mps) * grown, yaw_variance);
+  if (has_gyro_at(utime)) {
     MotionStep turn;
     turn.dt_s = timing::seconds(utime - *utime_);
     turn.yaw_rate_radps = imu_->angular_rate_radps[2];
@@ -336,7 +336,7 @@ void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps
   const bool states_covariance = covariance[0] > 0.0 || covariance[2] > 0.0;
   step.speed_sd_mps = states_covariance ? std::sqrt(covariance[0])
                                         : config_.speed_sd_fraction * std::abs(speed_mps);
-  step.is_gyro = hears_gyro_at(utime);
+  step.is_gyro = has_gyro_at(utime);
   if (step.is_gyro) {
     step.yaw_rate_radps = imu_->angular_rate_radps[2];
     step.yaw_rate_sd_radps = imu_->angular_rate_variance > 0.0
@@ -375,15 +375,15 @@ void Fusion::note(std::string text) {
 std::string Fusion::warning() const {
   if (is_finished_) {
     std::string all;
-    if (const std::string left_out = smoother_ ? in_words(smoother_->left_out()) : "";
+    if (const std::string left_out = smoother_ ? rejected_fixes_text(smoother_->left_out()) : "";
         !left_out.empty()) {
       all += left_out + "; ";
     }
     if (num_frozen_ > 0)
       all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);
-    if (num_silences_ > 0) {
-      all +=
-          fmt::format("ODOMETRY silent {} times, up to {:.1f} s; ", num_silences_, silence_most_s_);
+    if (num_odometry_gaps_ > 0) {
+      all += fmt::format("ODOMETRY silent {} times, up to {:.1f} s; ", num_odometry_gaps_,
+                         odometry_gap_max_s_);
     }
     if (!is_placed_) all += "the start was never located: no heading from GNSS or POSE_FIX; ";
     if (!all.empty()) all.resize(all.size() - 2);

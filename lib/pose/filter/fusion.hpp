@@ -7,7 +7,7 @@
 #include "pose/filter/fusion_filter.hpp"
 #include "pose/filter/gnss_monitor.hpp"
 #include "pose/filter/gnss_positions.hpp"
-#include "pose/filter/heading_start.hpp"
+#include "pose/filter/heading_initialiser.hpp"
 #include "pose/filter/path_smoother.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
@@ -41,25 +41,25 @@ class Fusion : public Localiser {
   void add(const Imu& imu);
   void add(const Gnss& gnss);
   void add(const PoseFix& fix);
-  void weigh(PositionObservation& observation);
-  void take_position(const PositionObservation& observation);
-  bool is_left_out(const PositionObservation& observation);
+  void set_receiver_noise(PositionObservation& observation);
+  void use_position(const PositionObservation& observation);
+  bool is_outlier(const PositionObservation& observation);
   void start(const LocalFrame& T_map_local);
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
   void smooth(const PositionObservation& observation, std::optional<double> yaw_rad = std::nullopt,
               double yaw_sd_rad = 1.0);
-  Odometry motion_heard() const;
+  Odometry last_measured_motion() const;
   void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
   void move_to(std::int64_t utime);
-  bool hears_gyro_at(std::int64_t utime) const;
-  double silence_s(std::int64_t utime) const;
+  bool has_gyro_at(std::int64_t utime) const;
+  double time_since_motion_s(std::int64_t utime) const;
   void note(std::string text);
 
   PoseConfig config_;
   FusionFilter filter_;
   GnssPositions positions_;
   GnssMonitor monitor_;
-  HeadingStart heading_start_;
+  HeadingInitialiser heading_initialiser_;
   std::optional<PathSmoother> smoother_;  ///< if GNSS or fixes are used
   bool is_placed_ = false;  ///< the filter's frame is map; else it starts at the robot's start
   bool is_finished_ = false;
@@ -75,11 +75,11 @@ class Fusion : public Localiser {
     Eigen::Vector2d antenna_m;  ///< estimated by the filter after this fix
   };
   std::optional<LastFix> last_fix_;
-  std::optional<std::int64_t> left_out_since_;
-  std::int64_t borne_out_since_ = 0;  ///< positions since this time agree with the pose
+  std::optional<std::int64_t> outliers_since_;
+  std::int64_t consistent_since_ = 0;  ///< positions since this time agree with the pose
   std::int64_t num_frozen_ = 0;
-  std::int64_t num_silences_ = 0;
-  double silence_most_s_ = 0.0;
+  std::int64_t num_odometry_gaps_ = 0;
+  double odometry_gap_max_s_ = 0.0;
   std::string note_;  ///< last problem, for warning()
   std::int64_t note_utime_ = 0;
 };

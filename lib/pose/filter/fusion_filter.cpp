@@ -133,7 +133,7 @@ void FusionFilter::move(const MotionStep& step) {
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
 }
 
-void FusionFilter::doubt(double position_variance, double yaw_variance) {
+void FusionFilter::inflate_covariance(double position_variance, double yaw_variance) {
   covariance_(kX, kX) += position_variance;
   covariance_(kY, kY) += position_variance;
   covariance_(kYaw, kYaw) += yaw_variance;
@@ -147,10 +147,11 @@ void FusionFilter::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& 
   covariance_.topLeftCorner<3, 3>() = covariance;
 }
 
-void FusionFilter::adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
-                         const Eigen::Vector2d& receiver_error_m) {
+void FusionFilter::set_smoothed_pose(const Eigen::Vector3d& x_y_yaw,
+                                     const Eigen::Matrix3d& covariance,
+                                     const Eigen::Vector2d& receiver_error_m) {
   place(x_y_yaw, covariance);
-  forget_receiver_error();
+  reset_receiver_error();
   if (receiver_variance_ <= 0.0) return;
   mean_.tail<2>() = receiver_error_m;
   const Eigen::Matrix2d P = covariance.topLeftCorner<2, 2>();
@@ -161,7 +162,7 @@ void FusionFilter::adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& 
   covariance_.block<2, 1>(kReceiverEast, kYaw) = -covariance.block<2, 1>(0, 2);
 }
 
-void FusionFilter::forget_lost_heading() {
+void FusionFilter::decorrelate_unknown_heading() {
   const double variance = covariance_(kYaw, kYaw);
   if (variance < geometry::square(kLostYaw_rad)) return;
   if (covariance_.block<2, 1>(kX, kYaw).norm() < kLostArm_m * variance) return;
@@ -173,7 +174,7 @@ void FusionFilter::forget_lost_heading() {
   covariance_(kYaw, kYaw) = yaw_variance;
 }
 
-void FusionFilter::forget_receiver_error() {
+void FusionFilter::reset_receiver_error() {
   mean_.tail<2>().setZero();
   covariance_.bottomRows<2>().setZero();
   covariance_.rightCols<2>().setZero();
@@ -186,13 +187,13 @@ Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
   H(0, kX) = H(1, kY) = 1.0;
   const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * observation.p_base_m;
   H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
-  if (observation.by_receiver) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
+  if (observation.is_gnss) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
   return H;
 }
 
 Eigen::Vector2d FusionFilter::innovation(const PositionObservation& observation) const {
   const Eigen::Vector2d off_m = observation.p_map_m - p_map_m(observation.p_base_m);
-  return observation.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
+  return observation.is_gnss ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
 }
 
 /// Returns the noise of an observation, plus the error of linearising the heading: a heading error
@@ -203,7 +204,7 @@ Eigen::Matrix2d FusionFilter::noise(const PositionObservation& observation) cons
   return observation.covariance + bent2 * Eigen::Matrix2d::Identity();
 }
 
-double FusionFilter::distance2(const PositionObservation& observation) const {
+double FusionFilter::mahalanobis2(const PositionObservation& observation) const {
   const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
   const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(observation);
   const Eigen::Vector2d off_m = innovation(observation);

@@ -21,7 +21,7 @@ struct MotionStep {
 };
 
 /// Process noise of the wheels' errors.
-struct WheelChanges {
+struct WheelErrorNoise {
   double slip_sd = 0.02;         ///< of the slip, as a fraction of the travel
   double turn_slip_sd = 0.05;    ///< of the slip in turns, as a fraction of the turn
   double curvature_walk = 2e-4;  ///< random walk of the turn per metre over travel [1/m/sqrt(m)]
@@ -35,7 +35,7 @@ struct PositionObservation {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< the measured point, e.g. the antenna
-  bool by_receiver = false;  ///< by GNSS: contains the receiver's slow error, too
+  bool is_gnss = false;  ///< by GNSS: contains the receiver's slow error, too
 };
 
 /// Extended Kalman filter over the pose of base and the errors of its sensors. State: x, y, yaw in
@@ -61,7 +61,7 @@ class FusionFilter {
   void move(const MotionStep& step);
 
   /// Sets the process noise of the wheels' errors, learnt from the drive.
-  void set_wheel_changes(const WheelChanges& changes) { changes_ = changes; }
+  void set_wheel_error_noise(const WheelErrorNoise& changes) { changes_ = changes; }
 
   /// Sets the variance of the receiver's slow error, per axis [m2]; initially 0.
   void set_receiver_variance(double variance) { receiver_variance_ = variance; }
@@ -69,25 +69,25 @@ class FusionFilter {
   double receiver_variance() const { return receiver_variance_; }
 
   /// Resets the receiver's slow error to its prior.
-  void forget_receiver_error();
+  void reset_receiver_error();
 
   /// Adds these variances [m2 per axis, rad2] to the pose, for motion that was not measured.
-  void doubt(double position_variance, double yaw_variance);
+  void inflate_covariance(double position_variance, double yaw_variance);
 
   /// Sets the pose of base, uncorrelated with the sensor errors.
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
 
   /// Sets the pose of base and the receiver's error to the result of a whole solve. Both are
   /// correlated so that their sum, the last measured position, is known well.
-  void adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
-             const Eigen::Vector2d& receiver_error_m);
+  void set_smoothed_pose(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
+                         const Eigen::Vector2d& receiver_error_m);
 
   /// Decorrelates the heading from the position if the heading is unknown: the positions then lie
   /// on a circle, which a Gaussian cannot represent.
-  void forget_lost_heading();
+  void decorrelate_unknown_heading();
 
   /// Returns the squared Mahalanobis distance of the innovation; 2 degrees of freedom.
-  double distance2(const PositionObservation& observation) const;
+  double mahalanobis2(const PositionObservation& observation) const;
 
   void correct(const PositionObservation& observation);
   void correct_yaw(double yaw_rad, double variance);
@@ -104,7 +104,7 @@ class FusionFilter {
   Eigen::Matrix2d noise(const PositionObservation& observation) const;
 
   FusionConfig config_;
-  WheelChanges changes_;
+  WheelErrorNoise changes_;
   double receiver_variance_ = 0.0;
   Vector mean_ = Vector::Zero();
   Matrix covariance_ = Matrix::Zero();

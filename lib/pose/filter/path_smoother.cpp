@@ -153,7 +153,7 @@ bool PathSmoother::solve() {
   // the filter's drift.
   GraphSolution solution = solve_graph(graph_, true, config_);
   if (!solution.solved) return false;
-  FixesLeftOut out = left_out();
+  RejectedFixes out = left_out();
   if (out.num_left_out > kLeftOutMax * out.num_fixes) {  // gross outliers distorted that start
     graph_ = before;
     solution = solve_graph(graph_, false, config_);
@@ -168,7 +168,7 @@ bool PathSmoother::solve() {
   return solution.calibration_covariance.has_value();  // else the covariances are not valid
 }
 
-std::optional<WheelChanges> PathSmoother::wheel_changes() const {
+std::optional<WheelErrorNoise> PathSmoother::wheel_error_noise() const {
   if (revision_ == 0 && !corrected_) return std::nullopt;
   std::vector<double> speeds_mps;
   for (std::size_t k = 1; k < graph_.keyframes.size(); ++k) {
@@ -182,7 +182,7 @@ std::optional<WheelChanges> PathSmoother::wheel_changes() const {
   // this factor times the variance of the process.
   const double fraction = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
   const Eigen::Vector3d& walk = graph_.calibration_walk_sd;
-  WheelChanges changes;
+  WheelErrorNoise changes;
   changes.slip_sd = walk[0] / std::sqrt(fraction);
   changes.turn_slip_sd = walk[1] / std::sqrt(fraction);
   changes.curvature_walk = walk[2] / speed_mps / std::sqrt(kCalibrationTravel_m);

@@ -49,10 +49,10 @@ class PathSmoother {
   std::optional<Trajectory> take_correction();
 
   /// Returns the process noise of the wheels' errors by the last solve; none before the first.
-  std::optional<WheelChanges> wheel_changes() const;
+  std::optional<WheelErrorNoise> wheel_error_noise() const;
 
   /// Returns the fixes that contradict the path of the last solve.
-  FixesLeftOut left_out() const { return fixes_left_out(graph_); }
+  RejectedFixes left_out() const { return rejected_fixes(graph_); }
 
  private:
   void follow(const Eigen::Vector3d& T_map_base);

@@ -74,7 +74,7 @@ void PoseEstimator::add(const Odometry& odometry) {
 
 /// Computes the poses before the first known one by integrating the odometry backwards: each arc is
 /// reversed by negating both velocities.
-void PoseEstimator::look_back() {
+void PoseEstimator::backfill_past_poses() {
   State state = *state_;
   Odometry after = unplaced_.back();
   bool is_near = timing::seconds(state.utime - after.utime) <= config_.odometry_gap_max_s;
@@ -97,7 +97,7 @@ void PoseEstimator::add(const PoseFix& fix) {
   if (!dead_reckoned) {
     const bool was_known = state_.has_value();
     start_at(fix, R);
-    if (!was_known && state_ && !unplaced_.empty()) look_back();
+    if (!was_known && state_ && !unplaced_.empty()) backfill_past_poses();
     return;
   }
   predict_to(fix.utime, last_odometry_->speed_mps, last_odometry_->yaw_rate_radps,

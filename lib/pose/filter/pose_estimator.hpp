@@ -40,7 +40,7 @@ class PoseEstimator : public Localiser {
 
   /// Returns the path up to the first known pose, from the earlier odometry: at most the last
   /// kPastMax_us, without a gap.
-  std::vector<PoseEstimate> take_past() override { return std::exchange(past_, {}); }
+  std::vector<PoseEstimate> take_past_poses() override { return std::exchange(past_, {}); }
 
   static constexpr std::int64_t kPastMax_us = 60'000'000;
 
@@ -58,7 +58,7 @@ class PoseEstimator : public Localiser {
   static void move(State& state, double speed_mps, double yaw_rate_radps, double dt_s,
                    const std::array<double, 3>& velocity_covariance);
   void start_at(const PoseFix& fix, const Eigen::Matrix3d& R);
-  void look_back();
+  void backfill_past_poses();
   PoseEstimate estimate_of(const State& state) const;
   void correct(const PoseFix& fix, const Eigen::Matrix3d& R);
   Eigen::Matrix3d fix_covariance(const PoseFix& fix) const;

@@ -31,7 +31,7 @@ CalibrationPrior CalibrationPrior::initial(const SlamConfig& config) {
 
 CalibrationPrior CalibrationPrior::after(int num_intervals, const Eigen::Vector3d& walk_sd,
                                          const SlamConfig& config) const {
-  const Eigen::Array3d kept = kept_calibration(walk_sd, config).array().pow(num_intervals);
+  const Eigen::Array3d kept = calibration_decay(walk_sd, config).array().pow(num_intervals);
   CalibrationPrior later;
   later.mean = (kept * mean.array()).matrix();
   later.covariance = kept.matrix().asDiagonal() * covariance * kept.matrix().asDiagonal();
@@ -40,7 +40,7 @@ CalibrationPrior CalibrationPrior::after(int num_intervals, const Eigen::Vector3
   return later;
 }
 
-Eigen::Vector3d kept_calibration(const Eigen::Vector3d& walk_sd, const SlamConfig& config) {
+Eigen::Vector3d calibration_decay(const Eigen::Vector3d& walk_sd, const SlamConfig& config) {
   const Eigen::Array3d fraction =
       walk_sd.array() / (CalibrationPrior::initial_sd(config).array() + kSdMin);
   return (1.0 - fraction.square()).max(0.0).sqrt().matrix();

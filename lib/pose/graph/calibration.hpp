@@ -29,7 +29,7 @@ struct CalibrationPrior {
 /// Returns the decay factors of the calibration from one interval to the next. They keep its
 /// variance stationary at the initial one: the errors change by `walk_sd` per interval but do not
 /// grow without bound.
-Eigen::Vector3d kept_calibration(const Eigen::Vector3d& walk_sd, const SlamConfig& config);
+Eigen::Vector3d calibration_decay(const Eigen::Vector3d& walk_sd, const SlamConfig& config);
 
 /// Returns the initial standard deviations of the calibration's change per interval: wheel errors
 /// change by as much as their prior over some tens of metres.

@@ -21,7 +21,7 @@ namespace {
 constexpr double kReceiverSdMin_m = 0.001;
 
 double receiver_sd_m(const ReceiverModel& model, const ReceiverError& error) {
-  return std::hypot(kReceiverSdMin_m, std::sqrt(model.lasting * error.claimed_variance));
+  return std::hypot(kReceiverSdMin_m, std::sqrt(model.correlated * error.claimed_variance));
 }
 
 template <int Rows, int Columns>

@@ -94,7 +94,7 @@ std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double 
 
 void add_position(AbsolutePosition position, SlamGraph& graph) {
   std::vector<ReceiverError>& errors = graph.receiver_errors;
-  if (position.by_receiver) {
+  if (position.is_gnss) {
     if (errors.empty() || position.utime - errors.back().utime >= kReceiverErrorFor_us) {
       ReceiverError fresh;
       fresh.utime = position.utime;
@@ -106,7 +106,7 @@ void add_position(AbsolutePosition position, SlamGraph& graph) {
   graph.keyframes.back().positions.push_back(position);
 }
 
-ReceiverModel judge_receiver(const SlamGraph& graph) {
+ReceiverModel estimate_receiver_model(const SlamGraph& graph) {
   ReceiverModel model;
   if (!graph.georeferenced) return model;
   std::vector<double> steps2;
@@ -134,14 +134,14 @@ ReceiverModel judge_receiver(const SlamGraph& graph) {
   } else {
     // The scatter is known to a few tenths only: count as correlated only what exceeds twice its
     // variance.
-    model.lasting = std::max(0.0, 1.0 - 2.0 * shown);
-    model.noise = 1.0 - model.lasting;
+    model.correlated = std::max(0.0, 1.0 - 2.0 * shown);
+    model.noise = 1.0 - model.correlated;
   }
   return model;
 }
 
-FixesLeftOut fixes_left_out(const SlamGraph& graph) {
-  FixesLeftOut all;
+RejectedFixes rejected_fixes(const SlamGraph& graph) {
+  RejectedFixes all;
   std::int64_t since = 0;
   bool goes_on = false;
   for (const Keyframe& k : graph.keyframes) {
@@ -164,7 +164,7 @@ FixesLeftOut fixes_left_out(const SlamGraph& graph) {
   return all;
 }
 
-std::string in_words(const FixesLeftOut& left_out) {
+std::string rejected_fixes_text(const RejectedFixes& left_out) {
   if (left_out.num_left_out == 0) return {};
   return fmt::format(
       "{} of {} GNSS fixes were rejected, with errors of up to {:.1f} m, for up to {:.1f} s",

@@ -25,18 +25,18 @@ void add_position(AbsolutePosition position, SlamGraph& graph);
 /// Splits the receiver's claimed variance into white noise and a time-correlated error, by
 /// comparing the steps between its fixes with the path. White noise as claimed if there are too few
 /// steps.
-ReceiverModel judge_receiver(const SlamGraph& graph);
+ReceiverModel estimate_receiver_model(const SlamGraph& graph);
 
 /// Statistics of the GNSS fixes that contradict the solved path.
-struct FixesLeftOut {
+struct RejectedFixes {
   int num_fixes = 0;  ///< all fixes
   int num_left_out = 0;
   double farthest_m = 0.0;
   double longest_s = 0.0;  ///< longest time from the first to the last of consecutive ones
 };
-FixesLeftOut fixes_left_out(const SlamGraph& graph);
+RejectedFixes rejected_fixes(const SlamGraph& graph);
 
 /// Formats the statistics for the user; empty if no fix was left out.
-std::string in_words(const FixesLeftOut& left_out);
+std::string rejected_fixes_text(const RejectedFixes& left_out);
 
 }  // namespace orchard::pose

@@ -23,8 +23,8 @@ struct AbsolutePosition {
   bool has_yaw = false;
   double yaw_rad = 0.0;
   double yaw_sd_rad = 1.0;
-  bool by_receiver = false;  ///< by GNSS: shares the receiver's correlated error
-  int receiver_error = -1;   ///< index in SlamGraph::receiver_errors
+  bool is_gnss = false;     ///< by GNSS: shares the receiver's correlated error
+  int receiver_error = -1;  ///< index in SlamGraph::receiver_errors
 };
 
 /// Correlated error of a satellite receiver, common to all its fixes of a short time.
@@ -36,8 +36,8 @@ struct ReceiverError {
 
 /// Composition of a receiver's errors, relative to its claimed variance.
 struct ReceiverModel {
-  double lasting = 0.0;  ///< variance of the time-correlated error
-  double noise = 1.0;    ///< variance of the white noise of each fix
+  double correlated = 0.0;  ///< variance of the time-correlated error
+  double noise = 1.0;       ///< variance of the white noise of each fix
 };
 
 /// A pose of the robot in the graph, with its measurements.
@@ -108,8 +108,8 @@ struct SlamGraph {
   Eigen::Vector3d calibration_walk_sd = Eigen::Vector3d::Zero();
   std::vector<ReceiverError> receiver_errors;
   ReceiverModel receiver;
-  std::vector<RelativePose> relative_poses;   ///< ascending by `to`
-  std::shared_ptr<ObservationMemory> memory;  ///< stores old observations; null: the heap
+  std::vector<RelativePose> relative_poses;      ///< ascending by `to`
+  std::shared_ptr<SlamObservationStore> memory;  ///< stores old observations; null: the heap
   OlderSums older;
   std::optional<std::vector<LandmarkMerge>> merges;  ///< for undo_merges(); none: not recorded
   bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin

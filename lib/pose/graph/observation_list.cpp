@@ -18,7 +18,7 @@ std::vector<SlamObservation>& ObservationList::edit() {
   return own_;
 }
 
-void ObservationList::keep(ObservationMemory& memory) {
+void ObservationList::keep(SlamObservationStore& memory) {
   if (memory_ != nullptr || own_.empty()) return;
   kept_ = memory.keep(own_);
   if (kept_.first == nullptr) return;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pose/graph/row_memory.hpp"
+#include "pose/graph/record_store.hpp"
 
 namespace orchard::pose {
 
@@ -23,7 +23,7 @@ struct SlamObservation {
 };
 
 /// Storage of the observations of older keyframes.
-using ObservationMemory = RowMemory<SlamObservation>;
+using SlamObservationStore = RecordStore<SlamObservation>;
 
 /// Observations of a keyframe, copy-on-write: after keep(), copies of the list share the stored
 /// rows, and edit() makes an own copy on the heap.
@@ -43,12 +43,12 @@ class ObservationList {
   std::vector<SlamObservation>& edit();
 
   /// Moves the rows to `memory`, which must outlive this list and its copies.
-  void keep(ObservationMemory& memory);
+  void keep(SlamObservationStore& memory);
 
  private:
   std::vector<SlamObservation> own_;
-  const ObservationMemory* memory_ = nullptr;  ///< that stores the rows; null: own_
-  ObservationMemory::Place kept_;
+  const SlamObservationStore* memory_ = nullptr;  ///< that stores the rows; null: own_
+  SlamObservationStore::Place kept_;
 };
 
 }  // namespace orchard::pose

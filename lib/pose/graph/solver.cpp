@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
+#include "pose/graph/full_graph_problem.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph_problem.hpp"
 #include "pose/graph/selected_inverse.hpp"
-#include "pose/graph/whole_problem.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;
@@ -111,7 +111,7 @@ void add_older_observations(const PositionSum& older, int landmark, GraphProblem
 void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior,
                 const SlamConfig& config, GraphProblem& problem) {
   problem.add_calibration_prior(w.first_calibration, prior);
-  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
+  const Eigen::Vector3d kept = calibration_decay(graph.calibration_walk_sd, config);
   for (int c = w.first_calibration + 1; c <= w.newest_calibration; ++c) {
     problem.add_calibration_walk(c, kept);
   }
@@ -180,9 +180,9 @@ WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphP
 }
 
 /// Learns calibration_walk_sd from the steps of the calibration in the solved graph.
-void learn_walk(const WholeProblem& problem, const SelectedInverse& P, const SlamConfig& config,
+void learn_walk(const FullGraphProblem& problem, const SelectedInverse& P, const SlamConfig& config,
                 SlamGraph& graph) {
-  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
+  const Eigen::Vector3d kept = calibration_decay(graph.calibration_walk_sd, config);
   std::vector<CalibrationStep> steps;
   for (int c = 1; c < static_cast<int>(graph.calibrations.size()); ++c) {
     CalibrationStep step;
@@ -199,8 +199,8 @@ void learn_walk(const WholeProblem& problem, const SelectedInverse& P, const Sla
 
 /// Writes the covariances of the poses and the learnt calibration_walk_sd; returns the covariance
 /// of the newest calibration. None, with nothing written, if the information is singular.
-std::optional<Eigen::Matrix3d> write_covariances(WholeProblem& problem, const SlamConfig& config,
-                                                 SlamGraph& graph) {
+std::optional<Eigen::Matrix3d> write_covariances(FullGraphProblem& problem,
+                                                 const SlamConfig& config, SlamGraph& graph) {
   const std::optional<SelectedInverse> P = problem.covariances();
   if (!P) return std::nullopt;
   const auto block = [&](int row, int column) {
@@ -252,8 +252,8 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
     solution.solved = true;
     return solution;
   }
-  graph.receiver = judge_receiver(graph);
-  WholeProblem problem(graph, config);
+  graph.receiver = estimate_receiver_model(graph);
+  FullGraphProblem problem(graph, config);
   if (after_closure) {
     const int iterations = graph.landmarks.empty() ? kBendIterations : kClosureIterations;
     if (!problem.solve(false, iterations, kGraphTolerance)) return solution;

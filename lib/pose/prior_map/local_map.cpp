@@ -14,19 +14,19 @@ using geometry::between;
 using geometry::compose;
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
+using geometry::inverse_transform;
 using geometry::rotation;
 using geometry::transform;
-using geometry::transform_back;
 
 namespace {
 
 constexpr double kLocalGate2 = geometry::kChiSquare2_999;
-constexpr double kMatchM = 0.5;         ///< max distance of an observation from its trunk
-constexpr double kNewTrunkM = 0.6;      ///< min distance of a new trunk from known ones
-constexpr int kSureSightings = 3;       ///< min number of observations of a real trunk
-constexpr double kSureFraction = 0.5;   ///< min fraction of the scans that should have shown it
-constexpr int kMissedForgotten = 5;     ///< consecutive misses that remove an unconfirmed trunk
-constexpr double kUnsureTravelM = 3.0;  ///< travel unseen that removes an unconfirmed trunk
+constexpr double kMatchM = 0.5;             ///< max distance of an observation from its trunk
+constexpr double kNewTrunkM = 0.6;          ///< min distance of a new trunk from known ones
+constexpr int kConfirmingObservations = 3;  ///< min number of observations of a real trunk
+constexpr double kSureFraction = 0.5;       ///< min fraction of the scans that should have shown it
+constexpr int kMissedForgotten = 5;         ///< consecutive misses that remove an unconfirmed trunk
+constexpr double kUnsureTravelM = 3.0;      ///< travel unseen that removes an unconfirmed trunk
 constexpr std::size_t kMaxTrunks = 60;
 constexpr double kViewTravelM = 0.5;
 constexpr double kViewTurnRad = 0.3;
@@ -50,8 +50,8 @@ void LocalTrunkMap::clear() {
   pose_covariance_.setZero();
   entries_.clear();
   views_.clear();
-  num_broken_scans_ = 0;
-  surprised_ = false;
+  num_inconsistent_scans_ = 0;
+  last_scan_contradicts_ = false;
 }
 
 void LocalTrunkMap::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance,
@@ -67,50 +67,53 @@ void LocalTrunkMap::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix
   travel_m_ += travel_m;
 }
 
-void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightField& field) {
-  const geometry::OcclusionTest occlusion = occlusion_by(sightings);
+void LocalTrunkMap::observe(const std::vector<ScanObservation>& observations,
+                            const FieldOfView& field) {
+  const geometry::OcclusionTest occlusion = occlusion_by(observations);
   const std::size_t num_before = entries_.size();
   std::vector<bool> taken(num_before, false);
-  std::vector<const Sighting*> fresh;
+  std::vector<const ScanObservation*> fresh;
   int num_matched = 0, num_surprises = 0;
-  for (const Sighting& sighting : sightings) {
+  for (const ScanObservation& observation : observations) {
     double nearest_m = kNewTrunkM;
-    const int trunk = match(sighting, taken, nearest_m);
+    const int trunk = match(observation, taken, nearest_m);
     if (trunk >= 0) {
       taken[static_cast<std::size_t>(trunk)] = true;
-      correct(trunk, sighting);
+      correct(trunk, observation);
       ++num_matched;
       continue;
     }
     // Contradiction: seen beside a known trunk, or in covered space without a known trunk.
     const bool beside = nearest_m < kNewTrunkM;
-    num_surprises += beside || field.covers(sighting.p_base);
-    if (!beside) fresh.push_back(&sighting);
+    num_surprises += beside || field.covers(observation.p_base);
+    if (!beside) fresh.push_back(&observation);
   }
 
   int num_expected = 0, num_seen = 0;
   for (int i = static_cast<int>(num_before) - 1; i >= 0; --i) {
     Entry& entry = entries_[static_cast<std::size_t>(i)];
     const bool seen = taken[static_cast<std::size_t>(i)];
-    const Eigen::Vector2d p_base = transform_back(T_local_base_, p_local(i));
-    const bool expected = field.covers(p_base) && !occlusion.hides(p_base);
-    num_surprises += expected && is_sure(entry) && !seen;
-    if (expected && is_sure(entry) && entry.num_expected >= kOldScans) {
+    const Eigen::Vector2d p_base = inverse_transform(T_local_base_, p_local(i));
+    const bool expected = field.covers(p_base) && !occlusion.occludes(p_base);
+    num_surprises += expected && is_confirmed(entry) && !seen;
+    if (expected && is_confirmed(entry) && entry.num_expected >= kOldScans) {
       ++num_expected;
       num_seen += seen;
     }
     entry.num_expected += seen || expected;
     entry.num_missed_in_a_row = seen ? 0 : entry.num_missed_in_a_row + expected;
-    if (entry.num_missed_in_a_row >= kMissedForgotten && !is_sure(entry)) remove(i);
+    if (entry.num_missed_in_a_row >= kMissedForgotten && !is_confirmed(entry)) remove(i);
   }
   if (num_expected >= kJudgedTrunks) {
-    num_broken_scans_ = num_seen < kBrokenFraction * num_expected ? num_broken_scans_ + 1 : 0;
+    num_inconsistent_scans_ =
+        num_seen < kBrokenFraction * num_expected ? num_inconsistent_scans_ + 1 : 0;
   }
   // In an empty map every observation is new, which is no contradiction.
-  surprised_ = num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
+  last_scan_contradicts_ =
+      num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
 
-  for (const Sighting* sighting : fresh) insert(*sighting);
-  forget_what_is_old();
+  for (const ScanObservation* observation : fresh) insert(*observation);
+  remove_old_trunks();
   const bool looks_anew =
       views_.empty() || travel_m_ - views_.back().travel_m >= kViewTravelM ||
       std::abs(geometry::wrap_angle_rad(T_local_base_.z() - views_.back().T_local_base.z())) >=
@@ -118,15 +121,16 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
   if (looks_anew) views_.push_back({T_local_base_, occlusion, travel_m_});
 }
 
-bool LocalTrunkMap::is_sure(const Entry& entry) const {
-  return entry.num_seen >= kSureSightings && entry.num_seen >= kSureFraction * entry.num_expected;
+bool LocalTrunkMap::is_confirmed(const Entry& entry) const {
+  return entry.num_seen >= kConfirmingObservations &&
+         entry.num_seen >= kSureFraction * entry.num_expected;
 }
 
-int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& taken,
+int LocalTrunkMap::match(const ScanObservation& observation, const std::vector<bool>& taken,
                          double& nearest_m) const {
-  const Eigen::Vector2d p_seen = transform(T_local_base_, sighting.p_base);
+  const Eigen::Vector2d p_seen = transform(T_local_base_, observation.p_base);
   const Eigen::Matrix2d R = rotation(T_local_base_.z());
-  const Eigen::Matrix2d seen_covariance = R * sighting.covariance * R.transpose();
+  const Eigen::Matrix2d seen_covariance = R * observation.covariance * R.transpose();
   const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
   Eigen::Matrix<double, 2, 3> J = Eigen::Matrix<double, 2, 3>::Zero();
   J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
@@ -150,17 +154,17 @@ int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& take
   return best;
 }
 
-void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
+void LocalTrunkMap::correct(int trunk, const ScanObservation& observation) {
   // Innovation: observed minus estimated position, in the local frame.
   const auto at = 3 + 2 * static_cast<Eigen::Index>(trunk);
-  const Eigen::Vector2d p_seen = transform(T_local_base_, sighting.p_base);
+  const Eigen::Vector2d p_seen = transform(T_local_base_, observation.p_base);
   const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
   Eigen::Matrix<double, 2, 3> J;
   J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
   const Eigen::Matrix2d R = rotation(T_local_base_.z());
   const Eigen::MatrixXd PHt = P_.leftCols<3>() * J.transpose() - P_.middleCols<2>(at);
   const Eigen::Matrix2d S =
-      J * PHt.topRows<3>() - PHt.middleRows<2>(at) + R * sighting.covariance * R.transpose();
+      J * PHt.topRows<3>() - PHt.middleRows<2>(at) + R * observation.covariance * R.transpose();
   const Eigen::MatrixXd K = PHt * S.inverse();
   entries_[static_cast<std::size_t>(trunk)].excess_m2 +=
       0.5 * ((p_seen - x_.segment<2>(at)).squaredNorm() - S.trace());
@@ -174,21 +178,21 @@ void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
   Entry& entry = entries_[static_cast<std::size_t>(trunk)];
   ++entry.num_seen;
   entry.last_travel_m = travel_m_;
-  if (sighting.width_m > 0.0) {
-    const double sd_m = std::max(sighting.width_sd_m, config_.width_sd_m);
-    entry.width_sum += sighting.width_m / (sd_m * sd_m);
+  if (observation.width_m > 0.0) {
+    const double sd_m = std::max(observation.width_sd_m, config_.width_sd_m);
+    entry.width_sum += observation.width_m / (sd_m * sd_m);
     entry.width_weight += 1.0 / (sd_m * sd_m);
-    entry.width_sum_m += sighting.width_m;
-    entry.width_sum_m2 += sighting.width_m * sighting.width_m;
+    entry.width_sum_m += observation.width_m;
+    entry.width_sum_m2 += observation.width_m * observation.width_m;
     entry.width_noise_m2 += sd_m * sd_m;
     ++entry.num_widths;
   }
 }
 
-void LocalTrunkMap::insert(const Sighting& sighting) {
+void LocalTrunkMap::insert(const ScanObservation& observation) {
   if (entries_.size() >= kMaxTrunks) return;
   const Eigen::Index n = x_.size();
-  const Eigen::Vector2d p = transform(T_local_base_, sighting.p_base);
+  const Eigen::Vector2d p = transform(T_local_base_, observation.p_base);
   const Eigen::Vector2d arm = p - T_local_base_.head<2>();
   Eigen::Matrix<double, 2, 3> J;
   J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
@@ -200,7 +204,7 @@ void LocalTrunkMap::insert(const Sighting& sighting) {
   P_.bottomLeftCorner(2, n) = rows;
   P_.topRightCorner(n, 2) = rows.transpose();
   P_.bottomRightCorner<2, 2>() =
-      J * pose_covariance_ * J.transpose() + R * sighting.covariance * R.transpose();
+      J * pose_covariance_ * J.transpose() + R * observation.covariance * R.transpose();
   Entry entry;
   entry.num_seen = entry.num_expected = 1;
   entry.last_travel_m = travel_m_;
@@ -219,11 +223,11 @@ void LocalTrunkMap::remove(int trunk) {
   entries_.erase(entries_.begin() + trunk);
 }
 
-void LocalTrunkMap::forget_what_is_old() {
+void LocalTrunkMap::remove_old_trunks() {
   for (int i = static_cast<int>(entries_.size()) - 1; i >= 0; --i) {
     const Entry& entry = entries_[static_cast<std::size_t>(i)];
     const double unseen_m = travel_m_ - entry.last_travel_m;
-    if (unseen_m > (is_sure(entry) ? config_.window_m : kUnsureTravelM)) remove(i);
+    if (unseen_m > (is_confirmed(entry) ? config_.window_m : kUnsureTravelM)) remove(i);
   }
   while (!views_.empty() &&
          (travel_m_ - views_.front().travel_m > config_.window_m || views_.size() > kMaxViews)) {
@@ -231,7 +235,7 @@ void LocalTrunkMap::forget_what_is_old() {
   }
 }
 
-void LocalTrunkMap::anchor() {
+void LocalTrunkMap::reset_origin() {
   const Eigen::Vector3d T = T_local_base_;
   const Eigen::Matrix2d Rt = rotation(T.z()).transpose();
   const Eigen::Index n = x_.size();
@@ -255,7 +259,7 @@ std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks(double clump_reach_m) co
   std::vector<Trunk> trunks;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];
-    if (!is_sure(entry)) continue;
+    if (!is_confirmed(entry)) continue;
     const auto at = 3 + 2 * static_cast<Eigen::Index>(i);
     Trunk trunk;
     trunk.p_local = x_.segment<2>(at);

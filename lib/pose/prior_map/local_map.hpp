@@ -5,8 +5,8 @@
 #include <deque>
 #include <vector>
 
-#include "pose/prior_map/expected_view.hpp"
 #include "pose/prior_map/prior_map_config.hpp"
+#include "pose/prior_map/scan_observations.hpp"
 
 namespace orchard::pose {
 
@@ -17,8 +17,9 @@ class LocalTrunkMap {
  public:
   struct Trunk {
     Eigen::Vector2d p_local = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< against base at the last anchor()
-    double width_m = 0.0;                                  ///< 0 = unknown
+    Eigen::Matrix2d covariance =
+        Eigen::Matrix2d::Zero();  ///< against base at the last reset_origin()
+    double width_m = 0.0;         ///< 0 = unknown
     double width_sd_m = 0.0;
     double last_travel_m = 0.0;  ///< travel when it was last seen
     int num_seen = 0;
@@ -43,10 +44,10 @@ class LocalTrunkMap {
   /// Predicts the motion of base by T_base_next with its covariance, along `travel_m` of path.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance, double travel_m);
 
-  void observe(const std::vector<Sighting>& sightings, const SightField& field);
+  void observe(const std::vector<ScanObservation>& observations, const FieldOfView& field);
 
   /// Moves the frame's origin to the present base. Invalidates all results in the previous frame.
-  void anchor();
+  void reset_origin();
 
   /// Returns the trunks that were seen often enough to be real, the last seen first.
   /// `clump_reach_m`: max distance between parts of one clump, see Trunk::num_near.
@@ -58,14 +59,14 @@ class LocalTrunkMap {
 
   /// True if several consecutive scans have missed most of the expected trunks: base did not move
   /// as measured.
-  bool broken() const { return num_broken_scans_ >= kBrokenScans; }
+  bool is_inconsistent() const { return num_inconsistent_scans_ >= kInconsistentScans; }
 
   /// True if the last scan has more contradictions than matches: trunks seen beside known ones or
   /// where none should be, or missing.
-  bool surprised() const { return surprised_; }
+  bool last_scan_contradicts() const { return last_scan_contradicts_; }
 
  private:
-  static constexpr int kBrokenScans = 5;
+  static constexpr int kInconsistentScans = 5;
 
   struct Entry {
     int num_seen = 0;
@@ -81,12 +82,13 @@ class LocalTrunkMap {
     double width_weight = 0.0;
   };
 
-  bool is_sure(const Entry& entry) const;
-  int match(const Sighting& sighting, const std::vector<bool>& taken, double& nearest_m) const;
-  void correct(int trunk, const Sighting& sighting);
-  void insert(const Sighting& sighting);
+  bool is_confirmed(const Entry& entry) const;
+  int match(const ScanObservation& observation, const std::vector<bool>& taken,
+            double& nearest_m) const;
+  void correct(int trunk, const ScanObservation& observation);
+  void insert(const ScanObservation& observation);
   void remove(int trunk);
-  void forget_what_is_old();
+  void remove_old_trunks();
   Eigen::Vector2d p_local(int trunk) const { return x_.segment<2>(3 + 2 * trunk); }
 
   PriorMapConfig config_;
@@ -97,8 +99,8 @@ class LocalTrunkMap {
   std::vector<Entry> entries_;
   std::deque<View> views_;
   double travel_m_ = 0.0;
-  int num_broken_scans_ = 0;
-  bool surprised_ = false;
+  int num_inconsistent_scans_ = 0;
+  bool last_scan_contradicts_ = false;
 };
 
 }  // namespace orchard::pose

@@ -80,7 +80,7 @@ std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
   return {};
 }
 
-std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks) {
+std::vector<PriorLandmark> without_duplicates(const std::vector<PriorLandmark>& landmarks) {
   std::vector<PriorLandmark> heaviest_first = landmarks;
   std::stable_sort(heaviest_first.begin(), heaviest_first.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
@@ -88,32 +88,33 @@ std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& lan
   std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // index in `merged`, -1: none
   std::vector<PriorLandmark> merged;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(heaviest_first.size()); ++i) {
-    const PriorLandmark& here = map[i];
+    const PriorLandmark& present_hypothesis = map[i];
     std::int32_t into = -1;
-    map.near(here.p_map, kOneTrunkM, [&](std::int32_t j) {
+    map.near(present_hypothesis.p_map, kOneTrunkM, [&](std::int32_t j) {
       const bool double_of = j < i && kept[static_cast<std::size_t>(j)] >= 0 &&
-                             (map[j].p_map - here.p_map).norm() < kOneTrunkM;
+                             (map[j].p_map - present_hypothesis.p_map).norm() < kOneTrunkM;
       if (double_of && (into < 0 || j < into)) into = j;
     });
     if (into < 0) {
       kept[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(merged.size());
-      merged.push_back(here);
+      merged.push_back(present_hypothesis);
       continue;
     }
     PriorLandmark& one = merged[static_cast<std::size_t>(kept[static_cast<std::size_t>(into)])];
-    const double fraction = here.weight / std::max(1e-9, one.weight + here.weight);
-    one.p_map += fraction * (here.p_map - one.p_map);
-    if (one.width_m > 0.0 && here.width_m > 0.0) {
-      one.width_m += fraction * (here.width_m - one.width_m);
+    const double fraction =
+        present_hypothesis.weight / std::max(1e-9, one.weight + present_hypothesis.weight);
+    one.p_map += fraction * (present_hypothesis.p_map - one.p_map);
+    if (one.width_m > 0.0 && present_hypothesis.width_m > 0.0) {
+      one.width_m += fraction * (present_hypothesis.width_m - one.width_m);
     }
-    one.weight += here.weight;
-    one.sd_m = std::max(one.sd_m, here.sd_m);
-    one.rate = std::max(one.rate, here.rate);
+    one.weight += present_hypothesis.weight;
+    one.sd_m = std::max(one.sd_m, present_hypothesis.sd_m);
+    one.rate = std::max(one.rate, present_hypothesis.rate);
   }
   return merged;
 }
 
-PriorMap::PriorMap(EarlierMap earlier, double pair_max_m)
+PriorMap::PriorMap(PriorMapData earlier, double pair_max_m)
     : landmarks_(std::move(earlier.landmarks)),
       path_m_(std::move(earlier.path_m)),
       reach_m_(earlier.reach_m) {
@@ -165,7 +166,7 @@ PriorMap::PriorMap(EarlierMap earlier, double pair_max_m)
   }
 }
 
-bool PriorMap::was_looked_at(const Eigen::Vector2d& p_map) const {
+bool PriorMap::was_in_range(const Eigen::Vector2d& p_map) const {
   if (path_m_.empty()) return true;
   bool is_near = false;
   path_grid_.near(p_map.x(), p_map.y(), reach_m_, [&](std::int32_t i) {

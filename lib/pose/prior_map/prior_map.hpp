@@ -25,9 +25,9 @@ struct PriorLandmark {
 };
 
 /// Map of an earlier day, with the path of the laser that observed it.
-struct EarlierMap {
-  EarlierMap() = default;
-  EarlierMap(std::vector<PriorLandmark> all) : landmarks(std::move(all)) {}
+struct PriorMapData {
+  PriorMapData() = default;
+  PriorMapData(std::vector<PriorLandmark> all) : landmarks(std::move(all)) {}
 
   std::vector<PriorLandmark> landmarks;
   std::vector<Eigen::Vector2d> path_m;  ///< of the laser, about every 0.5 m; empty: unknown
@@ -40,7 +40,7 @@ std::string problem_with(const std::vector<PriorLandmark>& landmarks);
 
 /// Merges landmarks that are nearer to each other than two trunks can be: a map may contain a tree
 /// twice, once from either side.
-std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks);
+std::vector<PriorLandmark> without_duplicates(const std::vector<PriorLandmark>& landmarks);
 
 /// Index of the landmarks of a prior map for two queries: landmarks near a point, and pairs of
 /// landmarks at a given distance.
@@ -51,7 +51,7 @@ class PriorMap {
     std::int32_t first, second;  ///< first < second
   };
 
-  PriorMap(EarlierMap earlier, double pair_max_m);
+  PriorMap(PriorMapData earlier, double pair_max_m);
 
   std::size_t size() const { return landmarks_.size(); }
   const PriorLandmark& operator[](std::int32_t i) const {
@@ -74,7 +74,7 @@ class PriorMap {
 
   /// Returns true if the point was within the laser's range on the earlier drive, or if its path is
   /// unknown.
-  bool was_looked_at(const Eigen::Vector2d& p_map) const;
+  bool was_in_range(const Eigen::Vector2d& p_map) const;
 
   /// Returns the max distance between parts of one clump [m].
   double clump_reach_m() const;

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
-#include "pose/prior_map/decision.hpp"
+#include "pose/prior_map/decision_thresholds.hpp"
 #include "text/number_text.hpp"
 #include "timing/units.hpp"
 
@@ -19,16 +19,16 @@ using geometry::compose_covariance;
 namespace {
 
 /// Standard deviations of the velocity of base while its motion is not measured.
-constexpr double kSilentSpeedSdMps = 0.5;
-constexpr double kSilentYawRateSdRadps = 0.3;
-constexpr double kMaxStepS = 1e6;  ///< keeps all numbers finite across jumps of time
+constexpr double kUnmeasuredSpeedSd_mps = 0.5;
+constexpr double kUnmeasuredYawRateSd_radps = 0.3;
+constexpr double kMaxStep_s = 1e6;  ///< keeps all numbers finite across jumps of time
 
 /// Max standard deviation, relative to base, of a trunk of the local map that is used as evidence.
-constexpr double kBentSdM = 0.25;
+constexpr double kDistortedSd_m = 0.25;
 
-std::string place_text(const Place& place) {
-  return "(" + fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
-         ") m";
+std::string pose_text(const PoseHypothesis& hypothesis) {
+  return "(" + fixed_text(hypothesis.T_map_base.x(), 1) + ", " +
+         fixed_text(hypothesis.T_map_base.y(), 1) + ") m";
 }
 
 bool is_sound(const Odometry& o) {
@@ -37,16 +37,16 @@ bool is_sound(const Odometry& o) {
          std::isfinite(o.covariance[2]);
 }
 
-EarlierMap checked(EarlierMap earlier) {
+PriorMapData checked(PriorMapData earlier) {
   const std::string problem = problem_with(earlier.landmarks);
   if (!problem.empty()) throw std::invalid_argument("the prior map " + problem);
-  earlier.landmarks = without_doubles(earlier.landmarks);
+  earlier.landmarks = without_duplicates(earlier.landmarks);
   return earlier;
 }
 
 }  // namespace
 
-PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, const EarlierMap& earlier,
+PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, const PriorMapData& earlier,
                                      const laser::LaserConfig& mount,
                                      const laser::BlindSector& blind)
     : pose_config_(config),
@@ -93,7 +93,7 @@ void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
                              const Eigen::Matrix3d& covariance) {
   const double travel_m = T_base_next.head<2>().norm();
   local_.move(T_base_next, covariance, travel_m);
-  if (since_suspicion_) since_suspicion_->move(T_base_next, covariance, travel_m);
+  if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance, travel_m);
   if (tracking_) tracker_.move(T_base_next, covariance);
 }
 
@@ -113,13 +113,13 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
     if (last_odometry_) speed_mps = last_odometry_->speed_mps;
     if (last_odometry_) yaw_rate_radps = last_odometry_->yaw_rate_radps;
   }
-  const std::vector<Sighting> sightings =
-      sightings_at_scan(seen, speed_mps, yaw_rate_radps, config_);
-  field_.learn(sightings);
-  local_.observe(sightings, field_);
-  suspect(sightings);
+  const std::vector<ScanObservation> observations =
+      scan_observations(seen, speed_mps, yaw_rate_radps, config_);
+  field_.learn(observations);
+  local_.observe(observations, field_);
+  watch_for_kidnapping(observations);
   if (tracking_) {
-    track(sightings);
+    track(observations);
   } else {
     search();
   }
@@ -137,28 +137,28 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
   state_.clear();
 }
 
-double PriorMapLocaliser::silence_s() const {
-  if (!last_odometry_) return kMaxStepS;
+double PriorMapLocaliser::time_since_motion_s() const {
+  if (!last_odometry_) return kMaxStep_s;
   return timing::seconds(*utime_ - last_odometry_->utime);
 }
 
 void PriorMapLocaliser::advance_to(std::int64_t utime) {
   const double silence =
-      last_odometry_ ? timing::seconds(utime - last_odometry_->utime) : kMaxStepS;
+      last_odometry_ ? timing::seconds(utime - last_odometry_->utime) : kMaxStep_s;
   const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
   const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
   if (silence <= pose_config_.odometry_gap_max_s) {
     advance_to(utime, speed_mps, yaw_rate_radps, covariance_of(*last_odometry_));
   } else {
     advance_to(utime, speed_mps, yaw_rate_radps,
-               {kSilentSpeedSdMps * kSilentSpeedSdMps, 0.0,
-                kSilentYawRateSdRadps * kSilentYawRateSdRadps});
+               {kUnmeasuredSpeedSd_mps * kUnmeasuredSpeedSd_mps, 0.0,
+                kUnmeasuredYawRateSd_radps * kUnmeasuredYawRateSd_radps});
   }
 }
 
 void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                                    const std::array<double, 3>& covariance) {
-  const double dt_s = std::min(kMaxStepS, timing::seconds(utime - *utime_));
+  const double dt_s = std::min(kMaxStep_s, timing::seconds(utime - *utime_));
   utime_ = utime;
   if (dt_s <= 0.0) return;
   const WheelStep step{speed_mps, yaw_rate_radps, covariance, dt_s};
@@ -166,7 +166,7 @@ void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double 
   const Eigen::Matrix3d covariance_next = tracker_.motion_covariance(step);
   const double travel_m = std::abs(speed_mps) * dt_s;
   local_.move(T_base_next, covariance_next, travel_m);
-  if (since_suspicion_) since_suspicion_->move(T_base_next, covariance_next, travel_m);
+  if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance_next, travel_m);
   if (tracking_) tracker_.move(step);
 }
 
@@ -177,11 +177,11 @@ std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry)
           pose_config_.yaw_rate_sd_radps * pose_config_.yaw_rate_sd_radps};
 }
 
-void PriorMapLocaliser::begin_anew() {
-  if (since_suspicion_) {
-    local_ = *std::move(since_suspicion_);
-    since_suspicion_.reset();
-    lost_travel_m_ = suspected_travel_m_;
+void PriorMapLocaliser::restart_local_map() {
+  if (since_kidnapping_) {
+    local_ = *std::move(since_kidnapping_);
+    since_kidnapping_.reset();
+    lost_travel_m_ = kidnapping_travel_m_;
   } else {
     local_.clear();
     lost_travel_m_ = local_.travel_m();
@@ -194,10 +194,10 @@ void PriorMapLocaliser::begin_anew() {
 LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
   LocalEvidence evidence{local.trunks(map_.clump_reach_m()), local.views(), field_};
   // After a headland turn with uncalibrated wheels, older trunks may be displaced relative to base.
-  const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
-                                 [](const LocalTrunkMap::Trunk& trunk) {
-                                   return 0.5 * trunk.covariance.trace() > kBentSdM * kBentSdM;
-                                 });
+  const auto bent = std::find_if(
+      evidence.trunks.begin(), evidence.trunks.end(), [](const LocalTrunkMap::Trunk& trunk) {
+        return 0.5 * trunk.covariance.trace() > kDistortedSd_m * kDistortedSd_m;
+      });
   if (bent == evidence.trunks.end()) return evidence;
   const double until_m = bent->last_travel_m;
   evidence.trunks.erase(bent, evidence.trunks.end());
@@ -208,17 +208,17 @@ LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
 }
 
 void PriorMapLocaliser::search() {
-  if (local_.broken()) {
-    begin_anew();
+  if (local_.is_inconsistent()) {
+    restart_local_map();
     state_ = "LOST: the robot was moved during localisation; localisation starts again";
   }
   if (!search_) {
     const std::size_t num_trunks = local_.trunks().size();
     const bool enough = num_trunks >= static_cast<std::size_t>(kTrunksMin);
-    const bool due = local_.travel_m() - checked_travel_m_ >= kSearchEvery_m ||
+    const bool due = local_.travel_m() - checked_travel_m_ >= kSearchInterval_m ||
                      num_trunks >= checked_trunks_ + 2;
     if (!enough || !due) return;
-    local_.anchor();
+    local_.reset_origin();
     checked_travel_m_ = local_.travel_m();
     checked_trunks_ = num_trunks;
     LocalEvidence local = evidence(local_);
@@ -226,40 +226,42 @@ void PriorMapLocaliser::search() {
     search_.emplace(map_, config_, std::move(local));
   }
   if (!search_->step(kHypothesesPerScan)) return;
-  judge(search_->result());
+  decide_on_result(search_->result());
   search_.reset();
 }
 
-void PriorMapLocaliser::judge(const SearchResult& result) {
+void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
   const std::string since =
       std::to_string(checked_trunks_) + " trunks of the last " +
       fixed_text(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
-  if (result.places.empty() || result.log_fit < kLogFitMin) {
+  if (result.hypotheses.empty() || result.log_fit < kLogFitMin) {
     state_ = "LOST: the " + since + " do not fit any place of the prior map; drive on, or " +
              "check that it is the map of this orchard";
     return;
   }
   if (result.log_odds < kLogOddsMin) {
-    const auto num = std::count_if(result.places.begin(), result.places.end(), [&](const Place& p) {
-      return p.score > result.places.front().score - kLogOddsMin;
-    });
+    const auto num = std::count_if(result.hypotheses.begin(), result.hypotheses.end(),
+                                   [&](const PoseHypothesis& p) {
+                                     return p.score > result.hypotheses.front().score - kLogOddsMin;
+                                   });
     state_ = "AMBIGUOUS: the " + since + " fit " + std::to_string(num) +
              " places of the prior map about equally well, such as " +
-             place_text(result.places[0]) + " and " + place_text(result.places[1]) + "; drive on";
+             pose_text(result.hypotheses[0]) + " and " + pose_text(result.hypotheses[1]) +
+             "; drive on";
     return;
   }
   // Base has moved since the search began; T_local_base is relative to its frame.
-  const Place& place = result.places.front();
-  tracker_.start(compose(place.T_map_base, local_.T_local_base()),
-                 compose_covariance(place.T_map_base, place.covariance, local_.T_local_base(),
-                                    local_.pose_covariance()));
+  const PoseHypothesis& hypothesis = result.hypotheses.front();
+  tracker_.start(compose(hypothesis.T_map_base, local_.T_local_base()),
+                 compose_covariance(hypothesis.T_map_base, hypothesis.covariance,
+                                    local_.T_local_base(), local_.pose_covariance()));
   tracking_ = true;
   state_.clear();
   watch_.clear();
   num_contradictions_ = 0;
 }
 
-void PriorMapLocaliser::lose(const std::string& why, bool forget_trunks) {
+void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks) {
   tracking_ = false;
   ++num_lost_;
   search_.reset();
@@ -267,7 +269,7 @@ void PriorMapLocaliser::lose(const std::string& why, bool forget_trunks) {
   num_contradictions_ = 0;
   checked_trunks_ = 0;
   lost_travel_m_ = local_.travel_m();
-  if (forget_trunks) begin_anew();
+  if (forget_trunks) restart_local_map();
   state_ = "LOST: " + why;
 }
 
@@ -291,8 +293,8 @@ std::string PriorMapLocaliser::warning() const {
     return "the last " + std::to_string(num_unreliable_) +
            " scans could not be matched: the motion between trees is extrapolated";
   }
-  if (last_odometry_ && silence_s() > pose_config_.odometry_gap_max_s) {
-    return "no ODOMETRY for " + fixed_text(silence_s(), 1) +
+  if (last_odometry_ && time_since_motion_s() > pose_config_.odometry_gap_max_s) {
+    return "no ODOMETRY for " + fixed_text(time_since_motion_s(), 1) +
            " s: the motion between scans is extrapolated";
   }
   return {};

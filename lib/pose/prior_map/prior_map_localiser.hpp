@@ -29,7 +29,7 @@ class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument if the landmarks are not suitable (see problem_with). `mount` and
   /// `blind` are used with `motion: scans` only.
-  PriorMapLocaliser(const PoseConfig& config, const EarlierMap& earlier,
+  PriorMapLocaliser(const PoseConfig& config, const PriorMapData& earlier,
                     const laser::LaserConfig& mount = {}, const laser::BlindSector& blind = {});
   PriorMapLocaliser(const PriorMapLocaliser&) = delete;
   PriorMapLocaliser& operator=(const PriorMapLocaliser&) = delete;
@@ -51,32 +51,32 @@ class PriorMapLocaliser : public Localiser {
                   const std::array<double, 3>& covariance);
   void advance_to(std::int64_t utime);
   std::array<double, 3> covariance_of(const Odometry& odometry) const;
-  double silence_s() const;
+  double time_since_motion_s() const;
 
-  void track(const std::vector<Sighting>& sightings);
-  void check_place(const TreeWatch::Count& trees);
-  void seek_rival(const LocalTrunkMap& local);
+  void track(const std::vector<ScanObservation>& observations);
+  void check_present_pose(const TreeDetectionMonitor::Count& trees);
+  void start_rival_search(const LocalTrunkMap& local);
   bool has_rival(const SearchResult& result) const;
   void search();
-  void judge(const SearchResult& result);
-  void lose(const std::string& why, bool forget_trunks);
-  void suspect(const std::vector<Sighting>& sightings);
-  void begin_anew();
+  void decide_on_result(const SearchResult& result);
+  void declare_lost(const std::string& why, bool forget_trunks);
+  void watch_for_kidnapping(const std::vector<ScanObservation>& observations);
+  void restart_local_map();
   LocalEvidence evidence(const LocalTrunkMap& local) const;
-  LocalEvidence evidence_around(const LocalTrunkMap& local) const;
-  Place here(const PlaceScorer& scorer) const;
+  LocalEvidence nearby_evidence(const LocalTrunkMap& local) const;
+  PoseHypothesis present_hypothesis(const HypothesisScorer& scorer) const;
 
   PoseConfig pose_config_;
   PriorMapConfig config_;
   PriorMap map_;
-  SightField field_;
+  FieldOfView field_;
   LocalTrunkMap local_;
   /// Second local map, started at a scan before which the robot may have been carried.
-  std::optional<LocalTrunkMap> since_suspicion_;
-  double suspected_travel_m_ = 0.0;
+  std::optional<LocalTrunkMap> since_kidnapping_;
+  double kidnapping_travel_m_ = 0.0;
   PriorMapTracker tracker_;
   std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
-  Place held_;                            ///< position when the search for a rival began
+  PoseHypothesis held_hypothesis_;        ///< position when the search for a rival began
 
   std::optional<std::int64_t> utime_;
   std::optional<Odometry> last_odometry_;
@@ -84,7 +84,7 @@ class PriorMapLocaliser : public Localiser {
   MeasuredMotion last_motion_;             ///< by the last scan
   int num_unreliable_ = 0;                 ///< consecutive scans without a reliable motion
   bool tracking_ = false;
-  TreeWatch watch_;
+  TreeDetectionMonitor watch_;
   int num_contradictions_ = 0;
   double checked_travel_m_ = 0.0;  ///< travel at the last search or check
   std::size_t checked_trunks_ = 0;

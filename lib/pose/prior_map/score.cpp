@@ -13,8 +13,8 @@
 
 namespace orchard::pose {
 using geometry::compose;
+using geometry::inverse_transform;
 using geometry::rotation;
-using geometry::transform_back;
 
 namespace {
 
@@ -43,7 +43,8 @@ constexpr int kMissingViews = 3;
 
 }  // namespace
 
-PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence)
+HypothesisScorer::HypothesisScorer(const PriorMap& map, const PriorMapConfig& config,
+                                   LocalEvidence evidence)
     : map_(map),
       config_(config),
       evidence_(std::move(evidence)),
@@ -51,11 +52,12 @@ PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, Loca
                          config.observation_sd_m * config.observation_sd_m),
       gate_radius_m_(std::min(kScoreGate_m, 0.45 * map.spacing_m())) {}
 
-std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order,
-                                      double score_min) const {
-  Place place = start;
-  Eigen::Vector3d& T = place.T_map_base;
-  Eigen::Matrix3d& P = place.covariance;
+std::optional<PoseHypothesis> HypothesisScorer::fit(const PoseHypothesis& start,
+                                                    const std::vector<int>& order,
+                                                    double score_min) const {
+  PoseHypothesis hypothesis = start;
+  Eigen::Vector3d& T = hypothesis.T_map_base;
+  Eigen::Matrix3d& P = hypothesis.covariance;
   const Eigen::Vector2d* before = nullptr;
   for (const int k : order) {
     const LocalTrunkMap::Trunk& trunk = evidence_.trunks[static_cast<std::size_t>(k)];
@@ -85,7 +87,9 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
       const Eigen::Matrix2d S_inverse = S.inverse();
       const double d2 = r.dot(S_inverse * r);
       if (d2 > kScoreGate2) return;
-      if (std::find(place.matched.begin(), place.matched.end(), i) != place.matched.end()) return;
+      if (std::find(hypothesis.matched.begin(), hypothesis.matched.end(), i) !=
+          hypothesis.matched.end())
+        return;
       const double density =
           std::exp(-0.5 * d2) * std::sqrt(S_inverse.determinant()) / (2.0 * geometry::kPi);
       if (density <= best_density) return;
@@ -97,7 +101,7 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
 
     // The trunk is the landmark seen again or not in the map; likelihood relative to the lattice.
     double repeated = repeat(trunk);
-    if (best < 0 && !map_.was_looked_at(p_map)) repeated *= kUnseenFraction;
+    if (best < 0 && !map_.was_in_range(p_map)) repeated *= kUnseenFraction;
     const double as_new = 1.0 - repeated;
     double as_landmark = 0.0;
     if (best >= 0) {
@@ -105,56 +109,56 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
           repeated * best_density / kLatticeDensity * std::exp(width_evidence(trunk, map_[best]));
     }
     if (as_landmark > as_new) {
-      place.matched.push_back(best);
+      hypothesis.matched.push_back(best);
       const Eigen::Matrix<double, 3, 2> K = PJt * best_S_inverse;
       T += K * best_r;
       P -= K * PJt.transpose();
     } else {
-      ++place.num_new;
+      ++hypothesis.num_new;
     }
-    place.score += std::log(as_new + as_landmark);
-    if (place.score < score_min) return std::nullopt;
+    hypothesis.score += std::log(as_new + as_landmark);
+    if (hypothesis.score < score_min) return std::nullopt;
   }
   T.z() = geometry::wrap_angle_rad(T.z());
   P = (0.5 * (P + P.transpose())).eval();
-  return place;
+  return hypothesis;
 }
 
-double PlaceScorer::repeat(const LocalTrunkMap::Trunk& trunk) const {
+double HypothesisScorer::repeat(const LocalTrunkMap::Trunk& trunk) const {
   return (1.0 - kChangeFraction) * probability_same_part(trunk.num_near) *
          probability_seen_again(detection_rate(trunk.num_seen, trunk.num_expected), kMappedRate);
 }
 
-void PlaceScorer::count_missing(Place& place) const {
+void HypothesisScorer::count_missing(PoseHypothesis& hypothesis) const {
   const double range_m = evidence_.field.range_m();
   std::vector<std::int32_t> nearby;
   for (const LocalTrunkMap::View& view : evidence_.views) {
-    const Eigen::Vector3d T = compose(place.T_map_base, view.T_local_base);
+    const Eigen::Vector3d T = compose(hypothesis.T_map_base, view.T_local_base);
     map_.near(T.head<2>(), range_m, [&](std::int32_t i) {
-      const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
-      if (evidence_.field.covers(p_base) && !view.occlusion.hides(p_base)) nearby.push_back(i);
+      const Eigen::Vector2d p_base = inverse_transform(T, map_[i].p_map);
+      if (evidence_.field.covers(p_base) && !view.occlusion.occludes(p_base)) nearby.push_back(i);
     });
   }
   std::sort(nearby.begin(), nearby.end());
   for (std::size_t begin = 0, end = 0; begin < nearby.size(); begin = end) {
     while (end < nearby.size() && nearby[end] == nearby[begin]) ++end;
-    const bool matched =
-        std::find(place.matched.begin(), place.matched.end(), nearby[begin]) != place.matched.end();
-    if (matched || end - begin < kMissingViews || stands_near(place, nearby[begin])) continue;
-    ++place.num_missing;
-    place.score += std::log(1.0 - map_.repeat(nearby[begin]));
+    const bool matched = std::find(hypothesis.matched.begin(), hypothesis.matched.end(),
+                                   nearby[begin]) != hypothesis.matched.end();
+    if (matched || end - begin < kMissingViews || stands_near(hypothesis, nearby[begin])) continue;
+    ++hypothesis.num_missing;
+    hypothesis.score += std::log(1.0 - map_.repeat(nearby[begin]));
   }
 }
 
-bool PlaceScorer::stands_near(const Place& place, std::int32_t landmark) const {
-  const Eigen::Vector2d p = transform_back(place.T_map_base, map_[landmark].p_map);
+bool HypothesisScorer::stands_near(const PoseHypothesis& hypothesis, std::int32_t landmark) const {
+  const Eigen::Vector2d p = inverse_transform(hypothesis.T_map_base, map_[landmark].p_map);
   return std::any_of(evidence_.trunks.begin(), evidence_.trunks.end(), [&](const auto& trunk) {
     return (trunk.p_local - p).norm() < map_.clump_reach_m();
   });
 }
 
-double PlaceScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,
-                                   const PriorLandmark& landmark) const {
+double HypothesisScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,
+                                        const PriorLandmark& landmark) const {
   const double population2 = map_.width_sd_m() * map_.width_sd_m();
   if (trunk.width_m <= 0.0 || landmark.width_m <= 0.0 || population2 <= 0.0) return 0.0;
   const double same2 =
@@ -165,7 +169,7 @@ double PlaceScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,
                                          0.5 * apart_m * apart_m * (1.0 / same2 - 1.0 / other2));
 }
 
-std::vector<int> PlaceScorer::order_from(const Eigen::Vector2d& p_local) const {
+std::vector<int> HypothesisScorer::order_from(const Eigen::Vector2d& p_local) const {
   std::vector<int> order(evidence_.trunks.size());
   std::iota(order.begin(), order.end(), 0);
   const auto distance2 = [&](int i) {

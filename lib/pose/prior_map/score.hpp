@@ -17,11 +17,11 @@ namespace orchard::pose {
 struct LocalEvidence {
   std::vector<LocalTrunkMap::Trunk> trunks;  ///< the last seen first
   std::deque<LocalTrunkMap::View> views;
-  SightField field;
+  FieldOfView field;
 };
 
 /// Hypothesis of the pose in the prior map, with its score by the local evidence.
-struct Place {
+struct PoseHypothesis {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   /// Log-likelihood ratio of the evidence at this pose against another orchard with the same
@@ -33,20 +33,20 @@ struct Place {
 };
 
 /// Scores pose hypotheses in the prior map by the local evidence.
-class PlaceScorer {
+class HypothesisScorer {
  public:
-  PlaceScorer(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence);
+  HypothesisScorer(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence);
 
   const LocalEvidence& evidence() const { return evidence_; }
 
   /// Matches the trunks in this order, starting from a pose with its covariance. Each match
   /// corrects the pose by a Kalman update; process noise between trunks models the distortion of
   /// the local map. None if the score falls below `score_min`. Does not count missing landmarks.
-  std::optional<Place> fit(const Place& start, const std::vector<int>& order,
-                           double score_min = -1e300) const;
+  std::optional<PoseHypothesis> fit(const PoseHypothesis& start, const std::vector<int>& order,
+                                    double score_min = -1e300) const;
 
   /// Subtracts from the score for landmarks that should have been seen at this pose and were not.
-  void count_missing(Place& place) const;
+  void count_missing(PoseHypothesis& hypothesis) const;
 
   /// Returns the log-likelihood ratio of two widths being of the same trunk or of two trunks.
   double width_evidence(const LocalTrunkMap::Trunk& trunk, const PriorLandmark& landmark) const;
@@ -56,7 +56,7 @@ class PlaceScorer {
 
  private:
   /// True if a trunk is within the clump reach of a landmark: probably another part of its clump.
-  bool stands_near(const Place& place, std::int32_t landmark) const;
+  bool stands_near(const PoseHypothesis& hypothesis, std::int32_t landmark) const;
 
   /// Returns the probability that the map contains a trunk, if the earlier drive looked there.
   double repeat(const LocalTrunkMap::Trunk& trunk) const;

@@ -36,7 +36,7 @@ constexpr std::size_t kMaxPlaces = 200;
 /// (137 drives, one of them above 8.3).
 constexpr double kScoreAndLeadElsewhere = 20.0;
 
-bool same_place(const Place& a, const Place& b) {
+bool is_same_pose(const PoseHypothesis& a, const PoseHypothesis& b) {
   return (a.T_map_base - b.T_map_base).head<2>().norm() < kSamePlaceM &&
          std::abs(geometry::wrap_angle_rad(a.T_map_base.z() - b.T_map_base.z())) < kSamePlaceRad;
 }
@@ -116,9 +116,9 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
   const double end_variance = config_.landmark_sd_m * config_.landmark_sd_m +
                               config_.observation_sd_m * config_.observation_sd_m;
 
-  Place start;
+  PoseHypothesis start;
   const geometry::Pose2 T_map_local =
-      geometry::through_two(map_[first].p_map, map_[second].p_map, a.p_local, b.p_local);
+      geometry::pose_from_two_pairs(map_[first].p_map, map_[second].p_map, a.p_local, b.p_local);
   const Eigen::Vector2d arm = rotation(T_map_local) * (0.5 * (a.p_local + b.p_local));
   start.T_map_base = T_map_local.vector();
   const double yaw_variance = 2.0 * end_variance / (length_m * length_m);
@@ -131,46 +131,46 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
                 scorer_.width_evidence(a, map_[first]) + scorer_.width_evidence(b, map_[second]);
   start.matched = {first, second};
 
-  std::optional<Place> place = scorer_.fit(start, seed.order, kGivenUpScore);
-  if (!place) return;
-  const double best = places_.empty() ? -kKeptBelowBest : places_.front().score;
-  if (place->score < best - kKeptBelowBest) return;
-  scorer_.count_missing(*place);
-  keep(*std::move(place));
+  std::optional<PoseHypothesis> hypothesis = scorer_.fit(start, seed.order, kGivenUpScore);
+  if (!hypothesis) return;
+  const double best = hypotheses_.empty() ? -kKeptBelowBest : hypotheses_.front().score;
+  if (hypothesis->score < best - kKeptBelowBest) return;
+  scorer_.count_missing(*hypothesis);
+  keep(*std::move(hypothesis));
 }
 
-void PriorMapSearch::keep(Place place) {
-  for (auto other = places_.begin(); other != places_.end();) {
-    if (!same_place(*other, place)) {
+void PriorMapSearch::keep(PoseHypothesis hypothesis) {
+  for (auto other = hypotheses_.begin(); other != hypotheses_.end();) {
+    if (!is_same_pose(*other, hypothesis)) {
       ++other;
       continue;
     }
-    if (other->score >= place.score) return;
-    other = places_.erase(other);
+    if (other->score >= hypothesis.score) return;
+    other = hypotheses_.erase(other);
   }
-  const auto at =
-      std::upper_bound(places_.begin(), places_.end(), place,
-                       [](const Place& a, const Place& b) { return a.score > b.score; });
-  places_.insert(at, std::move(place));
-  while (places_.size() > kMaxPlaces ||
-         places_.back().score < places_.front().score - kKeptBelowBest) {
-    places_.pop_back();
+  const auto at = std::upper_bound(
+      hypotheses_.begin(), hypotheses_.end(), hypothesis,
+      [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
+  hypotheses_.insert(at, std::move(hypothesis));
+  while (hypotheses_.size() > kMaxPlaces ||
+         hypotheses_.back().score < hypotheses_.front().score - kKeptBelowBest) {
+    hypotheses_.pop_back();
   }
 }
 
 SearchResult PriorMapSearch::result() const {
   SearchResult result;
-  result.places = places_;
-  if (places_.empty()) return result;
+  result.hypotheses = hypotheses_;
+  if (hypotheses_.empty()) return result;
   // Abandoned hypotheses count with the score at which they were abandoned.
-  double rivals = std::exp(kGivenUpScore - places_.front().score);
-  for (std::size_t i = 1; i < places_.size(); ++i) {
-    rivals += std::exp(places_[i].score - places_.front().score);
+  double rivals = std::exp(kGivenUpScore - hypotheses_.front().score);
+  for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
+    rivals += std::exp(hypotheses_[i].score - hypotheses_.front().score);
   }
   result.log_odds = std::min(kKeptBelowBest, -std::log(rivals));
   // In a large map anything fits somewhere, but then it fits elsewhere about as well: include the
   // lead over the other poses.
-  const double score = places_.front().score;
+  const double score = hypotheses_.front().score;
   result.log_fit = score + result.log_odds - kScoreAndLeadElsewhere;
 
   // Refit from the oldest trunk to the newest: the local map is distorted, and base is at its end.
@@ -178,13 +178,13 @@ SearchResult PriorMapSearch::result() const {
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = static_cast<int>(order.size() - 1 - i);
   }
-  Place start;
-  start.T_map_base = places_.front().T_map_base;
+  PoseHypothesis start;
+  start.T_map_base = hypotheses_.front().T_map_base;
   start.covariance = Eigen::Vector3d(0.2 * 0.2, 0.2 * 0.2, 0.03 * 0.03).asDiagonal();
-  if (const std::optional<Place> place = scorer_.fit(start, order)) {
-    if (same_place(*place, places_.front())) {
-      result.places.front().T_map_base = place->T_map_base;
-      result.places.front().covariance = place->covariance;
+  if (const std::optional<PoseHypothesis> hypothesis = scorer_.fit(start, order)) {
+    if (is_same_pose(*hypothesis, hypotheses_.front())) {
+      result.hypotheses.front().T_map_base = hypothesis->T_map_base;
+      result.hypotheses.front().covariance = hypothesis->covariance;
     }
   }
   return result;

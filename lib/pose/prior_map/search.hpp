@@ -17,9 +17,10 @@ inline constexpr double kLostLogFit = 4.0;
 
 /// Result of a search of the whole prior map.
 struct SearchResult {
-  std::vector<Place> places;  ///< distinct, by descending score; those far below the best left out
-  double log_odds = 0.0;      ///< of the best against all others together
-  double log_fit = 0.0;       ///< of the best against the robot not being in this map
+  std::vector<PoseHypothesis>
+      hypotheses;         ///< distinct, by descending score; those far below the best left out
+  double log_odds = 0.0;  ///< of the best against all others together
+  double log_fit = 0.0;   ///< of the best against the robot not being in this map
 };
 
 /// Searches the prior map for poses that explain the local evidence: pairs of trunks are registered
@@ -45,16 +46,16 @@ class PriorMapSearch {
 
   void choose_seeds();
   void try_hypothesis(const Seed& seed, std::int32_t first, std::int32_t second);
-  void keep(Place place);
+  void keep(PoseHypothesis hypothesis);
 
   const PriorMap& map_;
   PriorMapConfig config_;
-  PlaceScorer scorer_;
+  HypothesisScorer scorer_;
   std::vector<Seed> seeds_;
   std::size_t seed_ = 0;       ///< seed being tried
   std::size_t next_pair_ = 0;  ///< in the range of this seed
   std::size_t num_hypotheses_ = 0;
-  std::vector<Place> places_;
+  std::vector<PoseHypothesis> hypotheses_;
 };
 
 }  // namespace orchard::pose

@@ -12,9 +12,9 @@ namespace orchard::pose {
 using geometry::compose;
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
+using geometry::inverse_transform;
 using geometry::rotation;
 using geometry::transform;
-using geometry::transform_back;
 
 namespace {
 
@@ -128,8 +128,8 @@ void PriorMapTracker::move(const Eigen::Vector3d& T_base_next, const Eigen::Matr
   x_.head<3>() = compose(T, T_base_next);
 }
 
-Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const Sighting& sighting) const {
-  const Eigen::Vector2d arm = rotation(x_(2)) * sighting.p_base;
+Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const ScanObservation& observation) const {
+  const Eigen::Vector2d arm = rotation(x_(2)) * observation.p_base;
   Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
   H(0, 0) = H(1, 1) = 1.0;
   H(0, 2) = -arm.y();
@@ -137,14 +137,14 @@ Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const Sighting& sighting) 
   return H;
 }
 
-PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
+PriorMapTracker::Match PriorMapTracker::best_match(const ScanObservation& observation,
                                                    const std::vector<std::int32_t>& taken) const {
-  const Eigen::Matrix<double, 2, 6> H = jacobian(sighting);
+  const Eigen::Matrix<double, 2, 6> H = jacobian(observation);
   const Eigen::Matrix2d R = rotation(x_(2));
   const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m;
-  const Eigen::Matrix2d S = H * P_ * H.transpose() + R * sighting.covariance * R.transpose() +
+  const Eigen::Matrix2d S = H * P_ * H.transpose() + R * observation.covariance * R.transpose() +
                             map_variance * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d p_map = transform(x_.head<3>(), sighting.p_base);
+  const Eigen::Vector2d p_map = transform(x_.head<3>(), observation.p_base);
   Match best;
   double second_d2 = kTrackGate2 + kRivalGap;
   best.d2 = second_d2;
@@ -153,9 +153,9 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
     const double own_variance = map_[i].sd_m * map_[i].sd_m;
     const double d2 = r.dot((S + own_variance * Eigen::Matrix2d::Identity()).inverse() * r);
     const double width_m = map_[i].width_m;
-    const bool other_size =
-        sighting.width_m > 0.0 && width_m > 0.0 &&
-        std::abs(sighting.width_m - width_m) > kWidthSlackM + kWidthSigma * sighting.width_sd_m;
+    const bool other_size = observation.width_m > 0.0 && width_m > 0.0 &&
+                            std::abs(observation.width_m - width_m) >
+                                kWidthSlackM + kWidthSigma * observation.width_sd_m;
     if (r.norm() > kTrackGate_m || other_size) return;
     if (std::find(taken.begin(), taken.end(), i) != taken.end()) return;
     if (d2 < best.d2) {
@@ -169,14 +169,14 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
   return best;
 }
 
-void PriorMapTracker::update(const Sighting& sighting, const Match& match) {
-  const Eigen::Matrix<double, 2, 6> H = jacobian(sighting);
+void PriorMapTracker::update(const ScanObservation& observation, const Match& match) {
+  const Eigen::Matrix<double, 2, 6> H = jacobian(observation);
   const Eigen::Matrix2d R = rotation(x_(2));
   const double own_sd_m = map_[match.landmark].sd_m;
   const double map_variance =
       (config_.landmark_sd_m * config_.landmark_sd_m + own_sd_m * own_sd_m) * kSightingsPerTree;
   const Eigen::Matrix2d N =
-      R * sighting.covariance * R.transpose() + map_variance * Eigen::Matrix2d::Identity();
+      R * observation.covariance * R.transpose() + map_variance * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 6, 2> PHt = P_ * H.transpose();
   const Eigen::Matrix<double, 6, 2> K = PHt * (H * PHt + N).inverse();
   x_ += K * match.innovation;
@@ -186,31 +186,31 @@ void PriorMapTracker::update(const Sighting& sighting, const Match& match) {
   P_ = (A * P_ * A.transpose() + K * N * K.transpose()).eval();
 }
 
-PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& sightings,
-                                                   const SightField& field) {
+PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<ScanObservation>& observations,
+                                                   const FieldOfView& field) {
   Matching matching;
   std::vector<std::int32_t> taken;
   // Best match first: it narrows the gates of the others.
-  std::vector<std::pair<double, const Sighting*>> by_distance;
-  for (const Sighting& sighting : sightings) {
-    const Match match = best_match(sighting, taken);
-    by_distance.emplace_back(match.landmark < 0 ? 2.0 * kTrackGate2 : match.d2, &sighting);
+  std::vector<std::pair<double, const ScanObservation*>> by_distance;
+  for (const ScanObservation& observation : observations) {
+    const Match match = best_match(observation, taken);
+    by_distance.emplace_back(match.landmark < 0 ? 2.0 * kTrackGate2 : match.d2, &observation);
   }
   std::stable_sort(by_distance.begin(), by_distance.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [d2, sighting] : by_distance) {
-    const Match match = best_match(*sighting, taken);
+  for (const auto& [d2, observation] : by_distance) {
+    const Match match = best_match(*observation, taken);
     if (match.landmark < 0) continue;
-    update(*sighting, match);
+    update(*observation, match);
     taken.push_back(match.landmark);
     ++matching.num_matched;
   }
 
-  const geometry::OcclusionTest occlusion = occlusion_by(sightings);
+  const geometry::OcclusionTest occlusion = occlusion_by(observations);
   const Eigen::Vector3d T = x_.head<3>();
   map_.near(T.head<2>(), field.range_m(), [&](std::int32_t i) {
-    const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
-    if (map_.repeat(i) < kSureRepeat || !field.covers(p_base) || occlusion.hides(p_base)) return;
+    const Eigen::Vector2d p_base = inverse_transform(T, map_[i].p_map);
+    if (map_.repeat(i) < kSureRepeat || !field.covers(p_base) || occlusion.occludes(p_base)) return;
     matching.expected.push_back({i, std::find(taken.begin(), taken.end(), i) != taken.end()});
   });
   return matching;

@@ -5,10 +5,10 @@
 #include <array>
 #include <vector>
 
-#include "pose/prior_map/expected_view.hpp"
 #include "pose/prior_map/prior_map.hpp"
 #include "pose/prior_map/prior_map_config.hpp"
-#include "pose/prior_map/watch.hpp"
+#include "pose/prior_map/scan_observations.hpp"
+#include "pose/prior_map/tree_detection_monitor.hpp"
 
 namespace orchard::pose {
 
@@ -39,7 +39,7 @@ class PriorMapTracker {
   void move(const WheelStep& step);
   /// Predicts a motion of base that was not measured by wheels.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance);
-  Matching correct(const std::vector<Sighting>& sightings, const SightField& field);
+  Matching correct(const std::vector<ScanObservation>& observations, const FieldOfView& field);
 
   Eigen::Vector3d T_map_base() const { return x_.head<3>(); }
   Eigen::Matrix3d covariance() const { return P_.topLeftCorner<3, 3>(); }
@@ -60,9 +60,10 @@ class PriorMapTracker {
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   };
   Eigen::Matrix3d noise(const WheelStep& step) const;
-  Match best_match(const Sighting& sighting, const std::vector<std::int32_t>& taken) const;
-  void update(const Sighting& sighting, const Match& match);
-  Eigen::Matrix<double, 2, 6> jacobian(const Sighting& sighting) const;
+  Match best_match(const ScanObservation& observation,
+                   const std::vector<std::int32_t>& taken) const;
+  void update(const ScanObservation& observation, const Match& match);
+  Eigen::Matrix<double, 2, 6> jacobian(const ScanObservation& observation) const;
 
   const PriorMap& map_;
   PriorMapConfig config_;

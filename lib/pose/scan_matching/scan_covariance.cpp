@@ -55,8 +55,8 @@ Eigen::Matrix3d unknown_motion() {
       .asDiagonal();
 }
 
-Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covariance,
-                         const Eigen::Vector3d& T_map_expected) {
+Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
+                           const Eigen::Vector3d& T_map_expected) {
   const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));

@@ -20,8 +20,8 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
 /// Returns the pose of a fit, with the predicted position in directions that the scan does not
 /// determine, if the fit has slid along them, e.g. along a hedge (solution remapping: Zhang, Kaess,
 /// Singh 2016).
-Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covariance,
-                         const Eigen::Vector3d& T_map_expected);
+Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
+                           const Eigen::Vector3d& T_map_expected);
 
 /// Returns the covariance of a motion that is only predicted.
 Eigen::Matrix3d unknown_motion();

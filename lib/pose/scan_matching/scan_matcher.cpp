@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/scan_matching/fit_raster.hpp"
+#include "pose/scan_matching/likelihood_field.hpp"
 
 namespace orchard::pose {
 using geometry::rotation;
@@ -160,8 +160,8 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
   const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
   double farthest_m = 0.0;
   for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
-  const FitRaster raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
-                         kSearchKernel_m);
+  const LikelihoodField raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
+                               kSearchKernel_m);
   const int turns = static_cast<int>(std::ceil(turn_rad / kSearchTurnStep_rad));
   const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
   std::vector<Place> places;

@@ -81,7 +81,7 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
     }
     motion.matched = match.matched;
     const Eigen::Matrix3d P_map = covariance_of(matcher, few, match);
-    T_map_base = place_of(match, P_map, guesses.front());
+    T_map_base = remap_pose(match, P_map, guesses.front());
     // Rotate the covariance from map into the axes of base at the previous scan.
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     R.topLeftCorner<2, 2>() = rotation(-T_map_base_.z());

@@ -22,7 +22,7 @@ void DeadReckoning::set_default_noise(double speed_sd_fraction, double yaw_rate_
   yaw_rate_sd_radps_ = yaw_rate_sd_radps;
 }
 
-double DeadReckoning::silence_s() const {
+double DeadReckoning::time_since_motion_s() const {
   if (!utime_) return 0.0;
   return timing::seconds(*utime_ - measured_utime_.value_or(*started_utime_));
 }
@@ -32,7 +32,7 @@ void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_ra
   if (dt_s <= 0.0) return;
   std::array<double, 3> covariance = velocity_covariance_;
   utime_ = utime;
-  if (silence_s() > config_.gap_s) {
+  if (time_since_motion_s() > config_.gap_s) {
     // White velocity noise: the added position variance per second must not depend on the step.
     const double speed_sd_mps = std::max(kGapSpeedSd_mps, 0.3 * std::abs(speed_mps));
     covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;

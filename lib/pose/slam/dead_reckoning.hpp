@@ -40,7 +40,7 @@ class DeadReckoning {
   std::int64_t utime() const { return utime_.value_or(0); }
   const RelativeMotion& motion() const { return motion_; }
   /// Returns the time since the motion was last measured [s].
-  double silence_s() const;
+  double time_since_motion_s() const;
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
 

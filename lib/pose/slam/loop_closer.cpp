@@ -9,12 +9,12 @@
 #include <set>
 
 #include "geometry/pose2.hpp"
+#include "pose/slam/duplicate_landmarks.hpp"
 #include "pose/slam/local_map.hpp"
 #include "pose/slam/slam_undo.hpp"
-#include "pose/slam/twins.hpp"
 
 namespace orchard::pose {
-using geometry::transform_back;
+using geometry::inverse_transform;
 
 namespace {
 
@@ -67,7 +67,7 @@ double mean_distance2(int landmark, const SlamGraph& graph) {
     const Keyframe& keyframe = graph.keyframes[k];
     for (const SlamObservation& o : keyframe.observations) {
       if (o.landmark != landmark) continue;
-      const Eigen::Vector2d error = transform_back(keyframe.T_map_base, l.p_map) - o.position();
+      const Eigen::Vector2d error = inverse_transform(keyframe.T_map_base, l.p_map) - o.position();
       sum += error.dot(o.covariance().inverse() * error);
       ++n;
     }
@@ -93,7 +93,7 @@ bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGrap
 std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
-  const double path_m = kClosureSubmap_ranges * map.sight_m();
+  const double path_m = kClosureSubmap_ranges * map.detection_range_m();
   const auto ago_m = [&](int k) { return now.travel_m - graph.keyframes[k].travel_m; };
   ClosureQuery query;
   query.pivot = now.T_map_base.head<2>();
@@ -105,7 +105,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
     const int last = landmark.keyframes.back();
     if (ago_m(last) > path_m || last < map.session_start) continue;
     if (ago_m(landmark.keyframes.front()) > 2.0 * path_m) {
-      num_anchors += ago_m(last) <= kTrackedTravel_ranges * map.sight_m() ? 1 : 0;
+      num_anchors += ago_m(last) <= kTrackedTravel_ranges * map.detection_range_m() ? 1 : 0;
     } else {
       query.recent.push_back(closure_landmark(graph, l));
     }
@@ -130,7 +130,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   for (int k = map.newest(); k >= map.session_start && ago_m(k) <= path_m; --k) {
     query.path.push_back(graph.keyframes[k].T_map_base.head<2>());
   }
-  query.old_path = places_of(old, graph, kPlaceCell_ranges * map.sight_m());
+  query.old_path = places_of(old, graph, kPlaceCell_ranges * map.detection_range_m());
   return query;
 }
 
@@ -148,7 +148,7 @@ void LoopCloser::close(SlamMap& map) {
   ambiguous_ = false;
   const std::optional<ClosureQuery> query = this->query(map);
   if (!query) return;
-  ++num_asked_;
+  ++num_searches_;
   const Closure closure = find_closure(*query, config_);
   num_operations_ += closure.num_operations;
   ambiguous_ = closure.ambiguous;
@@ -169,21 +169,22 @@ void LoopCloser::close(SlamMap& map) {
   ++num_refuted_;
 }
 
-void LoopCloser::merge_twins(SlamMap& map) {
-  std::vector<std::pair<int, int>> twins = find_twins(map.graph, map.index, map.coverage, config_);
+void LoopCloser::merge_duplicate_landmarks(SlamMap& map) {
+  std::vector<std::pair<int, int>> duplicates =
+      find_duplicate_landmarks(map.graph, map.index, map.coverage, config_);
   // The first round drops pairs that do not fit after the solve; in the second all pairs must fit.
-  for (int round = 0; round < 2 && !twins.empty(); ++round) {
+  for (int round = 0; round < 2 && !duplicates.empty(); ++round) {
     SlamUndo undo(map);
-    for (const auto& [twin, into] : twins) map.graph.merge(twin, into);
-    const bool solved = map.solve(SolveReason::kTwinsAtEnd);
+    for (const auto& [twin, into] : duplicates) map.graph.merge(twin, into);
+    const bool solved = map.solve(SolveReason::kDuplicatesAtEnd);
     const auto fits = [&](const std::pair<int, int>& pair) {
       return mean_distance2(pair.second, map.graph) <= kRefutedDistance2;
     };
-    if (solved && std::all_of(twins.begin(), twins.end(), fits)) return;
+    if (solved && std::all_of(duplicates.begin(), duplicates.end(), fits)) return;
     if (solved) {
-      twins.erase(
-          std::remove_if(twins.begin(), twins.end(), [&](const auto& pair) { return !fits(pair); }),
-          twins.end());
+      duplicates.erase(std::remove_if(duplicates.begin(), duplicates.end(),
+                                      [&](const auto& pair) { return !fits(pair); }),
+                       duplicates.end());
     }
     undo.restore();
     if (!solved) return;

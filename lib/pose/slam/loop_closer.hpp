@@ -25,9 +25,9 @@ class LoopCloser {
   /// search.
   void close(SlamMap& map);
 
-  /// Merges trees that were mapped twice (see find_twins) if all their observations fit after the
-  /// solve. Call at the end of the drive, after the whole solve.
-  void merge_twins(SlamMap& map);
+  /// Merges trees that were mapped twice (see find_duplicate_landmarks) if all their observations
+  /// fit after the solve. Call at the end of the drive, after the whole solve.
+  void merge_duplicate_landmarks(SlamMap& map);
 
   /// True if the landmarks passed last fit the map in more than one way.
   bool is_ambiguous() const { return ambiguous_; }
@@ -35,7 +35,7 @@ class LoopCloser {
   int num_closures() const { return num_closures_; }
   int num_refuted() const { return num_refuted_; }
   /// Number of searches among older landmarks.
-  int num_asked() const { return num_asked_; }
+  int num_searches() const { return num_searches_; }
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
@@ -47,7 +47,7 @@ class LoopCloser {
   bool ambiguous_ = false;
   int num_closures_ = 0;
   int num_refuted_ = 0;
-  int num_asked_ = 0;
+  int num_searches_ = 0;
   std::int64_t num_operations_ = 0;
 };
 

@@ -9,7 +9,7 @@
 
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
-#include "pose/slam/planting.hpp"
+#include "pose/slam/lattice_residual.hpp"
 
 namespace orchard::pose {
 using geometry::rotation;
@@ -50,7 +50,7 @@ class ClosureMatcher {
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
     std::vector<Eigen::Vector2d> trees;
     for (const ClosureLandmark& o : q_.old) trees.push_back(o.p_map);
-    planted_m_ = planted_sd_m(trees);
+    planted_m_ = lattice_residual_sd_m(trees);
   }
 
   Eigen::Vector2d apply(const Eigen::Vector3d& shift, const Eigen::Vector2d& p_map) const {
@@ -84,7 +84,7 @@ class ClosureMatcher {
           const Eigen::Vector2d cd = d.p_map - c.p_map;
           if (std::abs(cd.norm() - ab.norm()) > kPairTolerance_m || !alike(b, d)) continue;
           ClosureHypothesis h;
-          h.x_y_yaw.z() = geometry::through_two(c.p_map, d.p_map, a.p_map, b.p_map).yaw_rad;
+          h.x_y_yaw.z() = geometry::pose_from_two_pairs(c.p_map, d.p_map, a.p_map, b.p_map).yaw_rad;
           if (std::abs(h.x_y_yaw.z()) > yaw_max_rad_) continue;
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
@@ -185,7 +185,7 @@ class ClosureMatcher {
   }
 
   /// True if there are enough old trees to estimate the fit of a wrong registration.
-  bool knows_planting() const { return std::isfinite(planted_m_); }
+  bool has_lattice() const { return std::isfinite(planted_m_); }
 
   std::int64_t num_operations() const { return num_operations_; }
 
@@ -225,7 +225,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   Closure closure;
   if (query.recent.size() < kClosureTreesMin || query.old.size() < kClosureTreesMin) return closure;
   ClosureMatcher matcher(query, config);
-  if (!matcher.knows_planting()) return closure;
+  if (!matcher.has_lattice()) return closure;
   std::vector<ClosureHypothesis> hypotheses = matcher.hypotheses();
   const auto better = [](const ClosureHypothesis& a, const ClosureHypothesis& b) {
     return a.score > b.score;

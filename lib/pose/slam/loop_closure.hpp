@@ -48,12 +48,12 @@ struct Closure {
 /// landmarks to old ones.
 ///
 /// Each matched tree adds the log-likelihood ratio of its residual against that of a wrong
-/// registration (see planted_sd_m of the old landmarks). Each tree in view of both paths but mapped
-/// on only one subtracts, and so does the volume of the pose's covariance, within which some motion
-/// fits by chance: fewer trees or a less certain pose require a better fit. A closure is found if
-/// at least kClosureTreesMin trees match and the log-odds exceed by closure_margin both the null
-/// hypothesis (another place with the same planting pattern) and every other motion (e.g. shifted
-/// by a tree or a row).
+/// registration (see lattice_residual_sd_m of the old landmarks). Each tree in view of both paths
+/// but mapped on only one subtracts, and so does the volume of the pose's covariance, within which
+/// some motion fits by chance: fewer trees or a less certain pose require a better fit. A closure
+/// is found if at least kClosureTreesMin trees match and the log-odds exceed by closure_margin both
+/// the null hypothesis (another place with the same planting pattern) and every other motion (e.g.
+/// shifted by a tree or a row).
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

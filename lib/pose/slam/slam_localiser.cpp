@@ -8,7 +8,8 @@
 namespace orchard::pose {
 
 SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
-                             const laser::BlindSector& blind, std::shared_ptr<ChunkMemory> memory)
+                             const laser::BlindSector& blind,
+                             std::shared_ptr<ChunkAllocator> memory)
     : config_(config),
       mount_(mount),
       blind_(blind),
@@ -44,12 +45,12 @@ void SlamLocaliser::add(const Measurement& measurement) {
 
 void SlamLocaliser::finish() {
   slam_.finish();
-  left_out_ = fixes_left_out(slam_.graph());
+  left_out_ = rejected_fixes(slam_.graph());
 }
 
 std::string SlamLocaliser::warning() const {
   std::string all = slam_.warning();
-  const std::string left_out = in_words(left_out_);
+  const std::string left_out = rejected_fixes_text(left_out_);
   if (!all.empty() && !left_out.empty()) all += "; ";
   return all + left_out;
 }
@@ -76,7 +77,7 @@ void SlamLocaliser::add(const Gnss& gnss) {
   position.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
   position.p_map = gnss_position->p_enu_m;
   position.covariance = gnss_position->covariance;
-  position.by_receiver = true;
+  position.is_gnss = true;
   slam_.add_position(gnss.utime, position);
 }
 

@@ -20,15 +20,15 @@ class SlamLocaliser : public Localiser {
  public:
   explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
                          const laser::BlindSector& blind = {},
-                         std::shared_ptr<ChunkMemory> memory = nullptr);
+                         std::shared_ptr<ChunkAllocator> memory = nullptr);
 
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }
   std::optional<Trajectory> take_correction() override { return slam_.take_correction(); }
   void finish() override;
   std::string warning() const override;
-  std::vector<std::pair<std::string, std::int64_t>> account() const override {
-    return slam_.account();
+  std::vector<std::pair<std::string, std::int64_t>> statistics() const override {
+    return slam_.statistics();
   }
 
  private:
@@ -42,7 +42,7 @@ class SlamLocaliser : public Localiser {
   std::optional<laser::Scan> scan_;  ///< newest scan
   std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
-  FixesLeftOut left_out_;  ///< set by finish()
+  RejectedFixes left_out_;  ///< set by finish()
 };
 
 }  // namespace orchard::pose

@@ -42,12 +42,12 @@ constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace
 
-SlamMap::SlamMap(const SlamConfig& config, std::shared_ptr<ChunkMemory> memory)
+SlamMap::SlamMap(const SlamConfig& config, std::shared_ptr<ChunkAllocator> memory)
     : calibration(CalibrationPrior::initial(config)), config_(config) {
   graph.calibrations.push_back(calibration.mean);
   graph.calibration_walk_sd = initial_walk_sd(config);
-  graph.memory = std::make_shared<ObservationMemory>(memory ? std::move(memory)
-                                                            : std::make_shared<HeapMemory>());
+  graph.memory = std::make_shared<SlamObservationStore>(
+      memory ? std::move(memory) : std::make_shared<HeapChunkAllocator>());
 }
 
 double SlamMap::local_sd_m() const {
@@ -55,13 +55,13 @@ double SlamMap::local_sd_m() const {
   return std::sqrt(std::max(P(0, 0), P(1, 1)));
 }
 
-bool SlamMap::is_tied_down() const {
+bool SlamMap::is_session_georeferenced() const {
   return graph.georeferenced &&
          std::any_of(graph.keyframes.begin() + session_start, graph.keyframes.end(),
                      [](const Keyframe& k) { return !k.positions.empty(); });
 }
 
-double SlamMap::sight_m() const {
+double SlamMap::detection_range_m() const {
   return std::min(coverage.range_max_m(), config_.observation_range_max_m);
 }
 
@@ -77,7 +77,8 @@ void SlamMap::start_session(bool was_lost) {
 }
 
 void SlamMap::refresh_local() {
-  local = local_map(graph, index, session_start, sight_m(), sight_m() + kLocalMapMargin_m);
+  local = local_map(graph, index, session_start, detection_range_m(),
+                    detection_range_m() + kLocalMapMargin_m);
 }
 
 int SlamMap::add_landmark(const ScanPoint& point) {
@@ -98,8 +99,9 @@ bool SlamMap::solve(SolveReason reason) {
   const auto num_landmarks =
       std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
                     [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
-  const bool is_closure = reason == SolveReason::kLoopClosure || reason == SolveReason::kTwinsAtEnd;
-  const bool is_end = reason == SolveReason::kEndOfDrive || reason == SolveReason::kTwinsAtEnd;
+  const bool is_closure =
+      reason == SolveReason::kLoopClosure || reason == SolveReason::kDuplicatesAtEnd;
+  const bool is_end = reason == SolveReason::kEndOfDrive || reason == SolveReason::kDuplicatesAtEnd;
   const bool by_keyframes =
       num_solved <= kFineSolveKeyframes ||
       (is_end && num_solved <= kFinalSolveKeyframes && 5 * num_landmarks <= kFinalSolveKeyframes);
@@ -126,7 +128,7 @@ bool SlamMap::solve(SolveReason reason) {
   }
   graph.update_landmarks(updates);
   num_kept_ = 0;  // merging may have changed the observations of any keyframe
-  keep_old();
+  archive_old_observations();
   rebuild_index();
   refresh_local();
   corrected = true;
@@ -135,8 +137,8 @@ bool SlamMap::solve(SolveReason reason) {
 
 /// Landmarks are dropped only within two sight ranges, and keyframes corrected only within the
 /// window; older observations seldom change.
-void SlamMap::keep_old() {
-  const double still_m = kRecentTravel_ranges * sight_m();
+void SlamMap::archive_old_observations() {
+  const double still_m = kRecentTravel_ranges * detection_range_m();
   const double travel_m = graph.keyframes.back().travel_m;
   const int end = newest() - config_.window_keyframes;
   for (; num_kept_ < end && travel_m - graph.keyframes[num_kept_].travel_m > still_m; ++num_kept_) {
@@ -169,18 +171,18 @@ void SlamMap::rebuild_index() {
   }
 }
 
-void SlamMap::take_position() {
+void SlamMap::process_absolute_position() {
   if (!graph.georeferenced) {
     georeference();
     return;
   }
   const double solve_at = num_solved * (1.0 + kPositionGrowth) + kPositionKeyframes;
   if (static_cast<double>(graph.keyframes.size()) < solve_at) return;
-  if (tells_more(graph.keyframes.back().positions.back())) solve(SolveReason::kGrowth);
+  if (is_informative(graph.keyframes.back().positions.back())) solve(SolveReason::kGrowth);
 }
 
 /// True if a position is more certain than the newest keyframe or contradicts it.
-bool SlamMap::tells_more(const AbsolutePosition& position) const {
+bool SlamMap::is_informative(const AbsolutePosition& position) const {
   const Keyframe& now = graph.keyframes.back();
   const Eigen::Matrix2d known = now.covariance.topLeftCorner<2, 2>();
   if (known.trace() > position.covariance.trace()) return true;

@@ -15,14 +15,14 @@
 namespace orchard::pose {
 
 /// Reason for a solve of the whole graph.
-enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kTwinsAtEnd };
+enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kDuplicatesAtEnd };
 
 /// The state of SLAM that a solve of the whole graph may change: graph, local map and odometry
 /// calibration. A wrong loop closure is undone by SlamUndo.
 class SlamMap {
  public:
   /// `memory` stores old observations (null: the heap) and does not affect the results.
-  explicit SlamMap(const SlamConfig& config, std::shared_ptr<ChunkMemory> memory = nullptr);
+  explicit SlamMap(const SlamConfig& config, std::shared_ptr<ChunkAllocator> memory = nullptr);
 
   bool empty() const { return graph.keyframes.empty(); }
   int newest() const { return static_cast<int>(graph.keyframes.size()) - 1; }
@@ -33,10 +33,10 @@ class SlamMap {
   double local_sd_m() const;
 
   /// True if the graph is georeferenced and the present session has absolute positions.
-  bool is_tied_down() const;
+  bool is_session_georeferenced() const;
 
   /// Returns the sight range [m]: the range of the farthest observation, limited by the config.
-  double sight_m() const;
+  double detection_range_m() const;
 
   /// Returns the prior of the odometry calibration in an interval of travel after the last solve.
   CalibrationPrior calibration_at(int interval) const;
@@ -52,7 +52,7 @@ class SlamMap {
   int add_landmark(const ScanPoint& point);
 
   /// Moves observations that are unlikely to change any more to the graph's memory.
-  void keep_old();
+  void archive_old_observations();
 
   /// Solves the whole graph, merges duplicate landmarks and updates all dependent members. Returns
   /// false, with only num_solved changed, if the solver failed.
@@ -61,7 +61,7 @@ class SlamMap {
   /// Call after adding an absolute position to the newest keyframe. Georeferences the map as soon
   /// as the positions determine its pose. From then on, solves the whole graph if the position is
   /// more certain than the pose or contradicts it, as after a gap.
-  void take_position();
+  void process_absolute_position();
 
   SlamGraph graph;
   geometry::PointGrid index{4.0};  ///< spatial index of landmarks
@@ -76,12 +76,12 @@ class SlamMap {
 
  private:
   void georeference();
-  bool tells_more(const AbsolutePosition& position) const;
+  bool is_informative(const AbsolutePosition& position) const;
   void merge_duplicates();
   void rebuild_index();
 
   SlamConfig config_;
-  int num_kept_ = 0;  ///< keyframes whose observations keep_old() has moved
+  int num_kept_ = 0;  ///< keyframes whose observations archive_old_observations() has moved
 };
 
 }  // namespace orchard::pose

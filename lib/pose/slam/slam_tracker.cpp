@@ -13,7 +13,7 @@ namespace orchard::pose {
 using geometry::between;
 using geometry::compose_covariance;
 using geometry::compose_jacobian_second;
-using geometry::transform_back;
+using geometry::inverse_transform;
 
 namespace {
 
@@ -96,7 +96,7 @@ bool SlamTracker::is_elsewhere(const SlamMap& map) {
     const SlamLandmark& landmark = map.graph.landmarks[l];
     if (!landmark.confirmed) continue;
     any_known = true;
-    any_missed |= map.coverage.in_view(transform_back(T_map_base, landmark.p_map));
+    any_missed |= map.coverage.in_view(inverse_transform(T_map_base, landmark.p_map));
   }
   if (any_missed) ++num_contradicted_;
   return !any_known || num_contradicted_ >= kNumContradictedScans;
@@ -171,13 +171,13 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
           landmark.confirmed || (num_observed >= kConfirmKeyframes && span_m >= kConfirmTravel_m);
       continue;
     }
-    const Eigen::Vector2d p_base = transform_back(now.T_map_base, landmark.p_map);
+    const Eigen::Vector2d p_base = inverse_transform(now.T_map_base, landmark.p_map);
     if (map.coverage.in_view(p_base) && !is_hidden(p_base, now, graph)) ++landmark.num_misses;
     const bool gone =
         landmark.num_misses >= kNumMissesMin && landmark.num_misses > kMissRatioMax * num_observed;
     const double since_m = now.travel_m - graph.keyframes[landmark.keyframes.back()].travel_m;
     const bool transient =
-        !landmark.confirmed && since_m > 0.5 * kRecentTravel_ranges * map.sight_m();
+        !landmark.confirmed && since_m > 0.5 * kRecentTravel_ranges * map.detection_range_m();
     if (gone || transient) graph.drop(l);
   }
 }

@@ -57,13 +57,13 @@ PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T, const E
 }  // namespace
 
 TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,
-                     const laser::LaserConfig& mount, std::shared_ptr<ChunkMemory> memory)
+                     const laser::LaserConfig& mount, std::shared_ptr<ChunkAllocator> memory)
     : config_(config),
       motion_(config),
       map_(config, memory),
       tracker_(config),
       closer_(config),
-      scan_closer_(scans, mount, std::move(memory)) {}
+      scan_loop_closer_(scans, mount, std::move(memory)) {}
 
 void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
   motion_.set_default_noise(speed_sd_fraction, yaw_rate_sd_radps);
@@ -102,13 +102,13 @@ void TrunkSlam::add_position(std::int64_t utime, AbsolutePosition position) {
   motion_.advance_to(utime);
   if (map_.empty() || wants_keyframe(kBlindFactor)) add_keyframe();
   // GnssPositions already enforces a minimum for a receiver.
-  if (!position.by_receiver) {
+  if (!position.is_gnss) {
     position.covariance += kPlacementSdMin_m * kPlacementSdMin_m * Eigen::Matrix2d::Identity();
   }
   position.utime = utime;
   position.T_keyframe_then = motion_.motion().delta_with(map_.newest_calibration());
   pose::add_position(position, map_.graph);
-  map_.take_position();
+  map_.process_absolute_position();
 }
 
 bool TrunkSlam::wants_keyframe(double factor) const {
@@ -118,7 +118,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
   const double sd_m = std::sqrt(std::max(m.covariance(0, 0), m.covariance(1, 1)));
   const double sd_rad = std::sqrt(m.covariance(2, 2));
   const bool unsure = sd_m > factor * kKeyframeSd_m || sd_rad > factor * kKeyframeSd_rad;
-  const bool blind = motion_.silence_s() > config_.gap_s && since_us >= kBlindKeyframe_us;
+  const bool blind = motion_.time_since_motion_s() > config_.gap_s && since_us >= kBlindKeyframe_us;
   return m.travel_m >= factor * config_.keyframe_travel_m ||
          std::abs(m.delta.z()) >= factor * kKeyframeTurn_rad ||
          (unsure && (m.travel_m > kMovingTravel_m || blind));
@@ -133,14 +133,14 @@ void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
   const bool added = map_.empty() || wants_keyframe(1.0);
   if (added) add_keyframe();
   const bool has_scan = added && scan;
-  if (has_scan) scan_closer_.keep(scan(velocity()), map_);
+  if (has_scan) scan_loop_closer_.keep(scan(velocity()), map_);
   const OdometryCalibration& c = map_.newest_calibration();
   const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(),
                               (1.0 + c[0]) * motion_.speed_mps(),
                               (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
   tracker_.match(scan_points(seen, state, config_), map_);
   if (added) correct();
-  if (has_scan && scan_closer_.observe(map_)) tracker_.correct_window(map_);
+  if (has_scan && scan_loop_closer_.observe(map_)) tracker_.correct_window(map_);
   watch(seen.utime);
 }
 
@@ -159,7 +159,7 @@ void TrunkSlam::add_keyframe() {
     };
     if (interval(keyframe.travel_m) > interval(before.travel_m)) {
       graph.calibrations.push_back(
-          kept_calibration(graph.calibration_walk_sd, config_).cwiseProduct(calibration));
+          calibration_decay(graph.calibration_walk_sd, config_).cwiseProduct(calibration));
     }
     keyframe.calibration = static_cast<int>(graph.calibrations.size()) - 1;
     const Eigen::Vector3d delta = keyframe.motion.delta_with(calibration);
@@ -168,7 +168,7 @@ void TrunkSlam::add_keyframe() {
     JointCovariance P =
         after_motion(joint_covariance(before), before.T_map_base, keyframe.motion, delta);
     if (keyframe.calibration > before.calibration) {
-      const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config_);
+      const Eigen::Vector3d kept = calibration_decay(graph.calibration_walk_sd, config_);
       P.rightCols<3>() *= kept.asDiagonal();
       P.bottomRows<3>() = (kept.asDiagonal() * P.bottomRows<3>()).eval();
       P.diagonal().tail<3>() += graph.calibration_walk_sd.array().square().matrix();
@@ -180,7 +180,7 @@ void TrunkSlam::add_keyframe() {
   if (map_.empty()) keyframe.calibration_covariance = map_.calibration_at(0).covariance;
   graph.keyframes.push_back(std::move(keyframe));
   motion_.restart(map_.newest_calibration());
-  map_.keep_old();
+  map_.archive_old_observations();
   tracker_.start_keyframe(map_);
 }
 
@@ -188,7 +188,8 @@ void TrunkSlam::add_keyframe() {
 void TrunkSlam::correct() {
   if (!tracker_.correct_window(map_)) return;
   const std::vector<Keyframe>& keyframes = map_.graph.keyframes;
-  if (motion_.silence_s() > config_.gap_s && tracker_.num_matched() >= kVelocityLandmarks) {
+  if (motion_.time_since_motion_s() > config_.gap_s &&
+      tracker_.num_matched() >= kVelocityLandmarks) {
     const Keyframe& a = keyframes[keyframes.size() - 2];
     const Keyframe& b = keyframes.back();
     const double dt_s = (b.utime - a.utime) * 1e-6;
@@ -215,10 +216,10 @@ double TrunkSlam::end_sd_m() const {
   return std::sqrt(std::max(P(0, 0), P(1, 1)));
 }
 
-std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::account() const {
+std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::statistics() const {
   constexpr std::int64_t kSecond_us = 1'000'000;
   if (map_.empty()) return {};
-  return {{"loops_asked", closer_.num_asked()},
+  return {{"loops_asked", closer_.num_searches()},
           {"loops_closed", num_closures()},
           {"loops_refused", num_refuted_closures()},
           {"lost_s", lost_us_ / kSecond_us},
@@ -232,8 +233,8 @@ void TrunkSlam::finish() {
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
   closer_.close(map_);
   map_.solve(SolveReason::kEndOfDrive);
-  closer_.merge_twins(map_);
-  if (scan_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
+  closer_.merge_duplicate_landmarks(map_);
+  if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
 }
 
 std::optional<PoseEstimate> TrunkSlam::estimate() const {
@@ -262,15 +263,16 @@ std::optional<Trajectory> TrunkSlam::take_correction() {
 
 std::string TrunkSlam::warning() const {
   if (map_.empty()) return {};
-  if (motion_.silence_s() > config_.gap_s) {
-    return "no motion measured for " + std::to_string(static_cast<int>(motion_.silence_s())) +
+  if (motion_.time_since_motion_s() > config_.gap_s) {
+    return "no motion measured for " +
+           std::to_string(static_cast<int>(motion_.time_since_motion_s())) +
            " s: the pose is extrapolated with the last velocity";
   }
   if (tracker_.is_ambiguous()) return "AMBIGUOUS: the trunks in view fit several places";
   if (closer_.is_ambiguous()) {
     return "AMBIGUOUS: the last trunks fit the map in several ways; no loop is closed";
   }
-  if (map_.lost && !map_.is_tied_down()) {
+  if (map_.lost && !map_.is_session_georeferenced()) {
     return "LOST: the trunks in view did not fit the map for too long; a separate map is built "
            "until a loop closes";
   }

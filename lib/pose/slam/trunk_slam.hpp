@@ -17,7 +17,7 @@
 #include "pose/slam/slam_map.hpp"
 #include "pose/slam/slam_tracker.hpp"
 #include "pose/slam_config.hpp"
-#include "pose/submap/scan_closer.hpp"
+#include "pose/submap/scan_loop_closer.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
@@ -34,7 +34,7 @@ class TrunkSlam {
   /// `memory` stores old observations (null: the heap) and does not affect the results.
   explicit TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans = {},
                      const laser::LaserConfig& mount = {},
-                     std::shared_ptr<ChunkMemory> memory = nullptr);
+                     std::shared_ptr<ChunkAllocator> memory = nullptr);
 
   /// Sets the noise of odometry without covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
@@ -61,13 +61,15 @@ class TrunkSlam {
   std::string warning() const;
   /// Returns statistics: loop searches, closures and undone closures; seconds LOST and AMBIGUOUS;
   /// the standard deviation of the newest position [mm].
-  std::vector<std::pair<std::string, std::int64_t>> account() const;
+  std::vector<std::pair<std::string, std::int64_t>> statistics() const;
 
   const SlamGraph& graph() const { return map_.graph; }
   /// Number of accepted loop closures, and of those undone because the observations contradicted
   /// them after the solve.
-  int num_closures() const { return closer_.num_closures() + scan_closer_.num_closures(); }
-  int num_refuted_closures() const { return closer_.num_refuted() + scan_closer_.num_refuted(); }
+  int num_closures() const { return closer_.num_closures() + scan_loop_closer_.num_closures(); }
+  int num_refuted_closures() const {
+    return closer_.num_refuted() + scan_loop_closer_.num_refuted();
+  }
   /// Work done so far, in pairs tried and keyframes solved: a measure of cost without a clock.
   std::int64_t num_operations() const {
     return tracker_.num_operations() + closer_.num_operations();
@@ -88,7 +90,7 @@ class TrunkSlam {
   SlamMap map_;
   SlamTracker tracker_;
   LoopCloser closer_;
-  ScanCloser scan_closer_;
+  ScanLoopCloser scan_loop_closer_;
   std::int32_t revision_ = 0;
   std::int64_t scan_utime_ = 0;  ///< utime of the last scan
   std::int64_t driven_us_ = 0;   ///< total time between scans

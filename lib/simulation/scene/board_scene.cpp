@@ -162,7 +162,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   // In the laser frame, so that the scan plane cuts the board well inside its edges.
   Eigen::Vector3d middle_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
                                random.uniform(-0.3, 0.3) * (outline_.y_max_m - outline_.y_min_m));
-  if (config_.seen_by == BoardAudience::kCameraOnly) middle_laser.z() = random.uniform(0.5, 0.7);
+  if (config_.seen_by == BoardVisibility::kCameraOnly) middle_laser.z() = random.uniform(0.5, 0.7);
   const Eigen::Vector3d middle = T_camera_laser_ * middle_laser;
 
   const double tilt = config_.tilt_max_rad;
@@ -206,9 +206,9 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   const Eigen::Vector3d board_middle(0.5 * (outline_.x_min_m + outline_.x_max_m),
                                      0.5 * (outline_.y_min_m + outline_.y_max_m), 0.0);
   Eigen::Isometry3d T = isometry(R, middle - R * board_middle);
-  if (config_.seen_by == BoardAudience::kLaserOnly) return T;  // the camera looks elsewhere
+  if (config_.seen_by == BoardVisibility::kLaserOnly) return T;  // the camera looks elsewhere
   if (!wholly_in_picture(T)) {
-    if (config_.seen_by != BoardAudience::kCameraOnly) return std::nullopt;
+    if (config_.seen_by != BoardVisibility::kCameraOnly) return std::nullopt;
     // A board missed by the scan plane must still be in view: higher and farther.
     T.translation().z() += 0.5;
     if (!wholly_in_picture(T)) return std::nullopt;
@@ -299,7 +299,7 @@ calibration::GreyPicture BoardScene::picture(const Eigen::Isometry3d& T_camera_b
                                              std::uint64_t index) const {
   Random random(seed_, Stream::kImage, index);
   std::optional<Eigen::Isometry3d> shown;
-  if (config_.seen_by != BoardAudience::kLaserOnly) shown = T_camera_board;
+  if (config_.seen_by != BoardVisibility::kLaserOnly) shown = T_camera_board;
   return painter_.take(shown, random);
 }
 

@@ -16,7 +16,7 @@ enum class BoardHandling {
 };
 
 /// Sensors that see the board.
-enum class BoardAudience { kBoth, kCameraOnly, kLaserOnly };
+enum class BoardVisibility { kBoth, kCameraOnly, kLaserOnly };
 
 /// Mirroring of pictures by a misconfigured camera driver.
 enum class PictureFlip { kNone, kLeftRight, kTopBottom };
@@ -36,7 +36,7 @@ struct BoardSceneConfig {
   double tremor_m = 0.0003;    ///< standard deviation of a still board's position
   double tremor_rad = 0.0005;  ///< standard deviation of its orientation
   BoardHandling handling = BoardHandling::kCareful;
-  BoardAudience seen_by = BoardAudience::kBoth;
+  BoardVisibility seen_by = BoardVisibility::kBoth;
   PictureFlip flip = PictureFlip::kNone;
 };
 

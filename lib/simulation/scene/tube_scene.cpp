@@ -32,7 +32,7 @@ struct Outline {
 
 Outline outline(const Pose2& T_map_laser, const Cylinder& c) {
   const geometry::Outline seen =
-      geometry::outline_of(transform_back(T_map_laser, {c.x_m, c.y_m}), c.radius_m);
+      geometry::outline_of(inverse_transform(T_map_laser, {c.x_m, c.y_m}), c.radius_m);
   return {seen.distance_m - c.radius_m, seen.bearing_rad, seen.half_rad};
 }
 

@@ -147,7 +147,7 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
   // In base axes, relative to the camera's foot.
   const double c = std::cos(T_map_camera.yaw_rad), s = std::sin(T_map_camera.yaw_rad);
   const Eigen::Vector2f p_camera =
-      transform_back(T_map_camera, {cylinder.x_m, cylinder.y_m}).cast<float>();
+      inverse_transform(T_map_camera, {cylinder.x_m, cylinder.y_m}).cast<float>();
   auto x_m = p_camera.x(), y_m = p_camera.y();
   const auto radius_m = static_cast<float>(cylinder.radius_m);
   const float distance_m = std::hypot(x_m, y_m);

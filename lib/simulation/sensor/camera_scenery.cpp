@@ -18,7 +18,7 @@ struct Place {
 };
 
 Place from_camera(const Pose2& T_map_camera, double x_m, double y_m) {
-  const Eigen::Vector2f p = transform_back(T_map_camera, {x_m, y_m}).cast<float>();
+  const Eigen::Vector2f p = inverse_transform(T_map_camera, {x_m, y_m}).cast<float>();
   return {p.x(), p.y()};
 }
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "bus/node/process.hpp"
-#include "calibration/board/camera_verdict.hpp"
+#include "calibration/board/camera_acceptance.hpp"
 #include "calibration/board/view_selection.hpp"
 #include "cli/calibrate/board_views.hpp"
 #include "cli/rig/rig_camera.hpp"
@@ -35,7 +35,7 @@ void print_camera(const geometry::CameraIntrinsics& camera) {
 }
 
 void print_coverage(const CameraCalibration& calibration) {
-  const calibration::CameraVerdictRules rules;
+  const calibration::CameraAcceptanceLimits rules;
   const auto coverage = calibration::coverage_of(calibration, rules.grid_columns, rules.grid_rows);
   std::printf("corners found in each part of the picture (%.0f %% covered):\n",
               100.0 * coverage.fraction());
@@ -191,7 +191,7 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
     io::write_file_atomically(options.coverage_path, io::coverage_figure(calibration, format));
     if (!options.quiet) std::printf("corners drawn to %s\n", options.coverage_path.c_str());
   }
-  const std::vector<std::string> reasons = calibration::verdict_on(calibration);
+  const std::vector<std::string> reasons = calibration::rejection_reasons(calibration);
   for (const std::string& reason : reasons) {
     std::fprintf(stderr, "orchard calibrate camera: %s\n", reason.c_str());
   }

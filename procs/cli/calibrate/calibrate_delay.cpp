@@ -34,7 +34,7 @@ struct Round {
   int num_moving = 0;
 };
 
-Round look_at_logs(const CalibrateDelayOptions& options, const io::Config& config,
+Round observe_logs(const CalibrateDelayOptions& options, const io::Config& config,
                    std::set<std::string>& warnings) {
   Round round;
   std::int32_t next_picture = 0;
@@ -100,7 +100,7 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
   try {
     for (int round = 0; round < kMaxRounds; ++round) {
       estimate =
-          calibration::estimate_delay(look_at_logs(options, config, warnings).observations, {});
+          calibration::estimate_delay(observe_logs(options, config, warnings).observations, {});
       config.camera.delay_s += estimate.delay_s;
       if (std::abs(config.camera.delay_s) > 0.5) {
         throw std::runtime_error(

@@ -11,8 +11,8 @@
 
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
-#include "calibration/extrinsics/check.hpp"
-#include "calibration/extrinsics/import.hpp"
+#include "calibration/extrinsics/extrinsics_check.hpp"
+#include "calibration/extrinsics/extrinsics_import.hpp"
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "cli/calibrate/board_collector.hpp"
 #include "cli/load_rig.hpp"
@@ -25,7 +25,7 @@ namespace orchard::cli {
 namespace {
 
 using calibration::LaserCameraView;
-using calibration::Mount;
+using calibration::RigidExtrinsics;
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
 /// Max motion of the corners of a still board between two pictures, as a fraction of the image
@@ -37,8 +37,8 @@ std::string three(const std::array<double, 3>& values) {
 }
 
 /// The usable views of a log; prints the reasons for rejecting others.
-std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions& options,
-                                               const io::Config& config) {
+std::vector<calibration::StationaryView> read_views(const CalibrateLaserCameraOptions& options,
+                                                    const io::Config& config) {
   BoardCollector collector(config, options.board);
   io::ProgressBar bar("looking for the board", !options.quiet);
   bus::ReplayOptions replay;
@@ -87,7 +87,7 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
         options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
   }
   const double shift_max_px = kStillShift * config.camera.intrinsics.width_px;
-  auto views = calibration::still_views(collector.pairs(), shift_max_px);
+  auto views = calibration::stationary_views(collector.pairs(), shift_max_px);
   constexpr std::size_t kEnough = 6;
   if (views.size() < kEnough && collector.pairs().size() > 2 * views.size() + kEnough) {
     std::fprintf(stderr,
@@ -103,13 +103,13 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
   return calibration::spread_subset(views, options.max_views);
 }
 
-const char* fate_text(LaserCameraView::Fate fate) {
-  switch (fate) {
-    case LaserCameraView::Fate::kUsed:
+const char* status_text(LaserCameraView::ViewStatus status) {
+  switch (status) {
+    case LaserCameraView::ViewStatus::kUsed:
       return "used";
-    case LaserCameraView::Fate::kNoLine:
+    case LaserCameraView::ViewStatus::kNoLine:
       return "no line as long as the board in the scan";
-    case LaserCameraView::Fate::kNotSeen:
+    case LaserCameraView::ViewStatus::kNotSeen:
       return "no scan line on the board";
     default:
       return "OUTLIER, not used";
@@ -117,7 +117,7 @@ const char* fate_text(LaserCameraView::Fate fate) {
 }
 
 void print_views(const calibration::LaserCameraCalibration& result,
-                 const std::vector<calibration::MountView>& views,
+                 const std::vector<calibration::ExtrinsicsView>& views,
                  const std::vector<std::int64_t>& utimes) {
   std::printf("%-5s %-17s %5s %10s %9s %8s %8s %7s\n", "view", "utime", "scans", "distance m",
               "corner px", "mean mm", "rms mm", "sigmas");
@@ -125,12 +125,13 @@ void print_views(const calibration::LaserCameraCalibration& result,
     const LaserCameraView& view = result.views[i];
     std::printf("%-5zu %-17lld %5d %10.3f %9.3f ", i + 1, static_cast<long long>(utimes[i]),
                 views[i].num_scans, views[i].board.distance_m(), views[i].board.rms_px);
-    if (view.fate == LaserCameraView::Fate::kUsed || view.fate == LaserCameraView::Fate::kOutlier) {
+    if (view.status == LaserCameraView::ViewStatus::kUsed ||
+        view.status == LaserCameraView::ViewStatus::kOutlier) {
       std::printf("%8.1f %8.1f %7.1f  ", 1e3 * view.mean_m, 1e3 * view.rms_m, view.disagreement);
     } else {
       std::printf("%8s %8s %7s  ", "-", "-", "-");
     }
-    std::printf("%s\n", fate_text(view.fate));
+    std::printf("%s\n", status_text(view.status));
   }
   std::printf(
       "(corner px: RMS distance of the corners from a flat board; mean, rms: distance of the scan "
@@ -139,7 +140,7 @@ void print_views(const calibration::LaserCameraCalibration& result,
 
 bool has_outlier(const calibration::LaserCameraCalibration& result) {
   for (const LaserCameraView& view : result.views) {
-    if (view.fate == LaserCameraView::Fate::kOutlier) return true;
+    if (view.status == LaserCameraView::ViewStatus::kOutlier) return true;
   }
   return false;
 }
@@ -156,7 +157,7 @@ void print_result(const calibration::LaserCameraCalibration& result) {
   std::printf("95 %% confidence interval: +- %.2f standard deviations\n", result.interval95_factor);
 }
 
-Mount mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
+RigidExtrinsics mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
   const geometry::LaserToCamera T(extrinsics);
   return {T.rotation(), T.translation_m()};
 }
@@ -185,7 +186,7 @@ int import_file(const CalibrateLaserCameraOptions& options) {
                                                      : calibration::AngleUnit::kAsStated;
   geometry::LaserCameraExtrinsics extrinsics;
   try {
-    extrinsics = calibration::import_mount(content.str(), axes, unit);
+    extrinsics = calibration::import_extrinsics(content.str(), axes, unit);
   } catch (const std::runtime_error& error) {
     throw io::FileError(options.import_path + " " + error.what());
   }
@@ -231,7 +232,7 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   const geometry::CameraModel camera(config.camera.intrinsics);
   const auto poses = calibration::estimate_board_poses(boards, camera);
   const auto search = calibration::line_search(outline, config.laser);
-  std::vector<calibration::MountView> views;
+  std::vector<calibration::ExtrinsicsView> views;
   std::vector<std::int64_t> utimes;
   for (std::size_t i = 0; i < still.size(); ++i) {
     if (!poses[i] || poses[i]->ambiguous) continue;
@@ -254,7 +255,7 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
     throw io::FileError(o.log_path + ": " + result.refusal);
   }
   const std::string contradiction =
-      calibration::mount_contradiction(result.mount, mount_of(config.camera.extrinsics));
+      calibration::extrinsics_contradiction(result.mount, mount_of(config.camera.extrinsics));
   if (!contradiction.empty() && !o.any_mount) {
     throw io::FileError(o.log_path + ": " + contradiction +
                         ". If the sensors are really mounted this way, use --any-mount or put "

@@ -30,7 +30,7 @@
 namespace orchard::cli {
 namespace {
 
-std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOptions& options,
+std::vector<calibration::TrunkObservation> observe_logs(const CalibrateTrunksOptions& options,
                                                         const io::Config& config) {
   std::vector<calibration::TrunkObservation> observations;
   int num_pairs = 0;
@@ -64,7 +64,7 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
 void print_table(const calibration::TrunkModel& model) {
   std::printf("%-6s %5s %9s %8s  %s\n", "object", "seen", "width mm", "hue deg", "class");
   int number = 0;
-  for (const calibration::ThingSeen& thing : model.things) {
+  for (const calibration::ObservedObject& thing : model.things) {
     ++number;
     if (thing.num_observations < 2) continue;
     std::printf("%-6d %5d %9.1f %8.1f  %s\n", number, thing.num_observations,
@@ -93,7 +93,7 @@ void print_width_by_range(const calibration::WidthByRange& width) {
   }
 }
 
-void print_spot(const std::optional<calibration::SpotGrowth>& spot, double spot_rad) {
+void print_spot(const std::optional<calibration::SpotDivergence>& spot, double spot_rad) {
   if (!spot) {
     std::printf(
         "too few trunks at different ranges to estimate the divergence of the beam: spot_rad is "
@@ -112,13 +112,13 @@ double spot_rad_of(const calibration::TrunkModel& model, const io::Config& confi
 }
 
 /// Positions of the landmarks with these ids in a first map.
-std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& options) {
+std::vector<calibration::PickedTrunk> places_of(const CalibrateTrunksOptions& options) {
   namespace fs = std::filesystem;
   const std::string path = fs::is_directory(options.map_folder)
                                ? (fs::path(options.map_folder) / "map.csv").string()
                                : options.map_folder;
   const auto landmarks = io::read_map_csv(path);
-  std::vector<calibration::PickedPlace> places;
+  std::vector<calibration::PickedTrunk> places;
   std::string missing;
   for (const int id : parse_number_list(options.ids, "--ids")) {
     const auto found = std::find_if(landmarks.begin(), landmarks.end(),
@@ -143,7 +143,7 @@ calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
   rules.gate_m = config.mapper.gate_m;
   rules.hue_bins = config.detector.colour.hue_bins;
   if (!options.trees.empty()) rules.picked = parse_number_list(options.trees, "--trees");
-  if (!options.ids.empty()) rules.picked_places = places_of(options);
+  if (!options.ids.empty()) rules.picked_trunks = places_of(options);
   return rules;
 }
 
@@ -208,7 +208,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives past trunks");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
-  const auto observations = look_at_logs(options, config);
+  const auto observations = observe_logs(options, config);
   calibration::TrunkModel model;
   try {
     model = calibration::estimate_trunk_model(observations, rules);

@@ -44,8 +44,8 @@ void DelayCollector::observe(const detection::ScanImagePair& pair) {
   if (!pair.motion) return;
   ++num_moving_;
   const auto findings = detection::find_by_laser(pair.scan, rig_);
-  for (auto& seen : calibration::look_at_delay(findings, *pair.image, rig_, *pair.motion, reach_px_,
-                                               next_picture_)) {
+  for (auto& seen : calibration::delay_observations(findings, *pair.image, rig_, *pair.motion,
+                                                    reach_px_, next_picture_)) {
     observations_.push_back(std::move(seen));
   }
   ++next_picture_;

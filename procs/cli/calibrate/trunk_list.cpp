@@ -15,7 +15,7 @@ constexpr int kPictureHeight_px = 160;
 
 /// The nearest observation that has a picture, or none.
 const calibration::TrunkObservation* best_observation(
-    const calibration::ThingSeen& thing,
+    const calibration::ObservedObject& thing,
     const std::vector<calibration::TrunkObservation>& observations) {
   const calibration::TrunkObservation* best = nullptr;
   for (const std::size_t i : thing.observations) {
@@ -37,7 +37,7 @@ void write_picture(const std::string& path, const vision::PixelBlock& crop) {
 }
 
 /// Formats an object; `format` has placeholders for its properties in this order.
-std::string row(const char* format, int number, const calibration::ThingSeen& t) {
+std::string row(const char* format, int number, const calibration::ObservedObject& t) {
   return fmt::format(fmt::runtime(format), number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
                      t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
 }
@@ -62,7 +62,7 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
       "(m)</th><th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
       "observation</th></tr>\n";
   int number = 0;
-  for (const calibration::ThingSeen& thing : model.things) {
+  for (const calibration::ObservedObject& thing : model.things) {
     ++number;
     csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, thing);
     html += thing.is_trunk ? "<tr class=\"trunk\">" : "<tr>";

@@ -49,9 +49,9 @@ class IgnoredInterrupt {
 
 }  // namespace
 
-CommandEnd run_command(const std::vector<std::string>& arguments, const std::string& output_path,
-                       const std::string& stdout_path, const std::string& in_folder,
-                       const std::function<void()>& while_running) {
+CommandResult run_command(const std::vector<std::string>& arguments, const std::string& output_path,
+                          const std::string& stdout_path, const std::string& in_folder,
+                          const std::function<void()>& while_running) {
   std::vector<std::string> words = arguments;
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -82,7 +82,7 @@ CommandEnd run_command(const std::vector<std::string>& arguments, const std::str
   rusage usage{};
   while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  CommandEnd end;
+  CommandResult end;
   end.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   end.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   end.processor_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void require_word(const char* option, const std::string& word) {
-  if (is_farm_word(word)) return;
+  if (is_farm_name(word)) return;
   throw io::FileError(std::string(option) + " " + word +
                       ": a name in a farm may only have letters, digits, \".\", \"-\" and \"_\"");
 }
@@ -63,7 +63,7 @@ int run_farm_add(const FarmAddOptions& options) {
   for (const std::string& log : options.log_paths) {
     const std::string name = fs::path(log).filename().string();
     static const std::regex kLog(".+\\.lcm(\\.[0-9]+)?");
-    if (!is_farm_word(name) || !std::regex_match(name, kLog)) {
+    if (!is_farm_name(name) || !std::regex_match(name, kLog)) {
       throw io::FileError(log +
                           ": not the name of a log in a farm; rename it to NAME.lcm (parts of a "
                           "split log: NAME.lcm.00 ...)");

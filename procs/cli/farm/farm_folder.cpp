@@ -63,7 +63,7 @@ class DigestCache {
 };
 
 void require_word(const std::string& word, const std::string& where) {
-  if (is_farm_word(word)) return;
+  if (is_farm_name(word)) return;
   throw io::FileError(
       where +
       ": a name in a farm may only have letters, digits, \".\", \"-\" and \"_\"; rename it");
@@ -154,7 +154,7 @@ double trees_of(const std::string& map_path) {
 
 }  // namespace
 
-bool is_farm_word(const std::string& word) {
+bool is_farm_name(const std::string& word) {
   return !word.empty() && word.front() != '.' && word.front() != '-' &&
          std::all_of(word.begin(), word.end(), [](char c) {
            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ||

@@ -34,7 +34,7 @@ class FarmFolder {
   std::string path(const std::string& inside) const { return root_ + "/" + inside; }
 
   /// Reads the folder. Digests of unchanged logs (same size and time) are taken from a cache.
-  /// Throws io::FileError for names that do not satisfy is_farm_word() and for an invalid
+  /// Throws io::FileError for names that do not satisfy is_farm_name() and for an invalid
   /// farm.yaml.
   FarmContent read() const;
 
@@ -65,7 +65,7 @@ std::string corrections_line(const std::string& folder);
 
 /// Whether a name is allowed in a farm's paths: letters, digits, ".", "-" and "_", not beginning
 /// with "." or "-".
-bool is_farm_word(const std::string& word);
+bool is_farm_name(const std::string& word);
 
 /// SHA-256 of the concatenated bytes of files. Throws io::FileError.
 std::string digest_of_files(const std::vector<std::string>& paths);

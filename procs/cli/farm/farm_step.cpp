@@ -63,7 +63,7 @@ void become_result(const std::string& made, const std::string& name, const std::
 }  // namespace
 
 int run_farm_step(const FarmStepOptions& options) {
-  if (!is_farm_word(options.name))
+  if (!is_farm_name(options.name))
     throw io::FileError(options.name + ": not a valid name of a result");
   for (const char* folder : {"results", "work/cost", "work/output"}) fs::create_directories(folder);
   const std::string made = "results/.making-" + options.name + "-" + unlike_any_other();
@@ -79,7 +79,7 @@ int run_farm_step(const FarmStepOptions& options) {
     if (word == "@out") word = made;
   }
   const std::string output = "work/output/" + options.name + ".txt";
-  const CommandEnd end =
+  const CommandResult end =
       run_command(command, output, options.keep_output ? made + "/said.txt" : std::string());
   std::error_code error;
   const bool is_disk_well =

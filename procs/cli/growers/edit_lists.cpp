@@ -4,7 +4,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/growers/edit.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
 #include "detection/label_text.hpp"
 #include "io/map/corrections_file.hpp"

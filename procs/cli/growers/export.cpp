@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bus/node/process.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"

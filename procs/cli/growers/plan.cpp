@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include "bus/node/process.hpp"
-#include "cli/growers/plan_laying.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/growers/plan_registration.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
 #include "io/atomic_file.hpp"
 #include "io/gis/plan_report.hpp"
@@ -21,10 +21,10 @@ void print_plan(const io::StoredPlan& plan) {
       "\n"
       "     row  trees  first ... last      length_m  spacing_m (min, max)\n");
   for (const mapping::PlannedRow& row : plan.plan.rows) {
-    const mapping::PlannedRowFacts facts = mapping::facts_of(row);
+    const mapping::PlannedRowFacts facts = mapping::row_facts(row);
     std::printf("%8s  %5zu  %8s ... %-8s  %8.1f  %9.2f (%.2f, %.2f)\n", row.name.c_str(),
                 row.trees.size(), row.trees.front().name.c_str(), row.trees.back().name.c_str(),
-                facts.length_m, facts.spacing_m, facts.spacing_least_m, facts.spacing_most_m);
+                facts.length_m, facts.spacing_m, facts.spacing_min_m, facts.spacing_max_m);
   }
 }
 
@@ -51,11 +51,11 @@ int run_plan(const PlanOptions& options) {
   if (options.map_path.empty()) return look_at(plan, options);
   const io::StoredMap map = io::read_stored_map(options.map_path);
   if (!options.out_path.empty()) require_other_folder(options.out_path, {options.map_path});
-  LaidPlan laid = lay_plan(plan, map, options.match);
+  RegisteredPlan laid = register_plan(plan, map, options.match);
   if (!options.out_path.empty()) {
     io::MapFolderContent content = content_of(map);
     content.summary.source = "numbered by a plan";
-    take_plan(laid, content);
+    apply_plan(laid, content);
     io::write_map_folder(options.out_path, content);
     write_plan_files(options.out_path, laid, content.landmarks);
   }

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bus/node/process.hpp"
-#include "cli/long_work.hpp"
+#include "cli/interruptible_work.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/plan_names.hpp"
 #include "io/map/corrections_file.hpp"
@@ -97,7 +97,7 @@ int run_publish(const PublishOptions& options) {
   publication.landmarks = corrected.landmarks;
   publication.names = names_of(corrected, options.map_path);
   publication.georeference = map.georeference;
-  LongWork work("publishing", !options.json);
+  InterruptibleWork work("publishing", !options.json);
   const io::PublishedCounts counts =
       io::publish(options.url, publication,
                   [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });

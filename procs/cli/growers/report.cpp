@@ -9,9 +9,9 @@
 
 #include "bus/messages/channel.hpp"
 #include "bus/node/process.hpp"
-#include "cli/growers/plan_laying.hpp"
+#include "cli/growers/plan_registration.hpp"
 #include "cli/maps/map_input.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
@@ -52,7 +52,7 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
   const mapping::DetectionMap view_before = view_of(before.mapped, 0.0);
   const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
   const mapping::MapAlignment alignment =
-      lay_on(before.mapped, view_before, now.mapped, view_now, options.alignment);
+      register_map(before.mapped, view_before, now.mapped, view_now, options.alignment);
   earlier.name = name_of(options.previous_path);
   earlier.day = facts_of(options.previous_path).day;
   earlier.landmarks = before.map.landmarks;
@@ -64,7 +64,7 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
 io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
   using mapping::PlanDeviation;
   const io::StoredPlan plan = io::read_plan(options.plan_path, options.plan_file);
-  const LaidPlan laid = lay_plan(plan, map, options.plan_match);
+  const RegisteredPlan laid = register_plan(plan, map, options.plan_match);
   io::PlanCounts counts;
   counts.name = printable_text(fs::path(options.plan_path).filename().string());
   for (std::size_t i = 0; i < laid.match.rows.size(); ++i) {

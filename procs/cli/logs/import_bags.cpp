@@ -8,8 +8,8 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/logs/imported_log.hpp"
-#include "cli/long_work.hpp"
 #include "io/bag/bag_reader.hpp"
 #include "io/bag/bag_recording.hpp"
 #include "io/file_error.hpp"
@@ -49,7 +49,7 @@ int import_bags(const ImportOptions& options) {
   io::BagOptions bag_options;
   bag_options.topics = io::parse_topic_choices(options.topics);
   bag_options.slice = {options.slice_height_m, options.slice_thickness_m};
-  LongWork work("scanning bags");
+  InterruptibleWork work("scanning bags");
   io::BagRecording recording(
       files_of(options.source_paths), bag_options,
       [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });

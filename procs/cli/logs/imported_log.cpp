@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "bus/messages/codec.hpp"
-#include "cli/long_work.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/log/log_writer.hpp"
 
@@ -14,7 +14,7 @@ namespace orchard::cli {
 Imported write_imported(const NextMessage& next, std::uint64_t num_all,
                         const std::string& out_path) {
   make_parent_folder(out_path);
-  LongWork work("importing messages");
+  InterruptibleWork work("importing messages");
   io::LogWriter writer(out_path);
   Imported imported;
   while (const auto message = next()) {

@@ -6,9 +6,9 @@
 
 #include "bus/node/process.hpp"
 #include "bus/replay/logged_rig.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/logs/log_json.hpp"
 #include "cli/logs/log_survey.hpp"
-#include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/log/log_repair.hpp"
 #include "timing/units.hpp"
@@ -70,15 +70,15 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
                   " messages repeat an older seq (several senders, or a restart)\n",
                   path.c_str(), name.c_str(), channel.num_duplicates);
     }
-    if (channel.num_leaps > 0) {
+    if (channel.num_jumps > 0) {
       std::printf("%s: %s: %" PRId64 " single messages jump in time or seq\n", path.c_str(),
-                  name.c_str(), channel.num_leaps);
+                  name.c_str(), channel.num_jumps);
     }
     if (channel.clock_change_s != 0.0) {
       std::printf("%s: %s: the clock of the sender was changed by %.1f s\n", path.c_str(),
                   name.c_str(), channel.clock_change_s);
     }
-    if (channel.num_contests > 2) {
+    if (channel.num_second_source_signs > 2) {
       std::printf("%s: %s: sent by two sources, or by one that restarts again and again\n",
                   path.c_str(), name.c_str());
     }
@@ -137,7 +137,7 @@ int run_log_config(const LogOptions& options) {
 
 int run_log_repair(const LogOptions& options) {
   make_parent_folder(options.out_path);
-  LongWork work("copying");
+  InterruptibleWork work("copying");
   const io::LogRepair read = io::repair_log(
       options.log_path, options.out_path,
       [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });

@@ -26,7 +26,7 @@ std::string log_json(const std::string& path, const LogSurvey& survey) {
         {"num_refused", channel.num_refused},
         {"num_missing", channel.num_missing},
         {"num_duplicates", channel.num_duplicates},
-        {"num_leaps", channel.num_leaps},
+        {"num_leaps", channel.num_jumps},
         {"first_utime", channel.first_utime},
         {"last_utime", channel.last_utime}};
     if (!channel.first_refusal.empty()) entry["first_refusal"] = channel.first_refusal;

@@ -9,7 +9,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
-#include "cli/long_work.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bag/foxglove_json.hpp"
@@ -118,7 +118,7 @@ int run_log_mcap(const LogMcapOptions& options) {
   std::optional<io::StoredMap> map;
   if (!options.map_path.empty()) map = io::read_stored_map(options.map_path);
   make_parent_folder(options.out_path);
-  LongWork work("writing");
+  InterruptibleWork work("writing");
   std::int64_t num_refused = 0;
   std::uint64_t num_written = 0;
   io::replace_file_atomically(options.out_path, [&](const std::string& temporary) {

@@ -82,8 +82,8 @@ LogSurvey survey_log(const io::LogPaths& logs) {
     const bus::SequenceCounts& counts = gate.counts(*bus::find_channel(name));
     channel.num_duplicates = counts.num_duplicate;
     channel.num_missing = counts.num_lost;
-    channel.num_leaps = counts.num_leaps;
-    channel.num_contests = counts.num_contests;
+    channel.num_jumps = counts.num_jumps;
+    channel.num_second_source_signs = counts.num_second_source_signs;
     channel.clock_change_s = counts.clock_change_s;
   }
   survey.gaps = reader.gaps();

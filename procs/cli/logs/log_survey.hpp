@@ -19,10 +19,10 @@ struct ChannelSurvey {
   std::int64_t num_refused = 0;     ///< rejected by the guard; known channels only
   std::int64_t num_duplicates = 0;  ///< this and the next three: counted by SequenceGate
   std::int64_t num_missing = 0;
-  std::int64_t num_leaps = 0;     ///< single outliers in time or seq
-  std::int64_t num_contests = 0;  ///< indications of a second source
-  double clock_change_s = 0.0;    ///< last step of its clock
-  std::int64_t first_utime = 0;   ///< of measurement; of receipt for unknown types
+  std::int64_t num_jumps = 0;                ///< single outliers in time or seq
+  std::int64_t num_second_source_signs = 0;  ///< indications of a second source
+  double clock_change_s = 0.0;               ///< last step of its clock
+  std::int64_t first_utime = 0;              ///< of measurement; of receipt for unknown types
   std::int64_t last_utime = 0;
   std::array<std::int64_t, bus::kNumReasons> num_refused_by_reason{};
   std::string first_refusal;  ///< reason and detail of the first refused message

@@ -12,9 +12,9 @@
 #include "bus/messages/codec.hpp"
 #include "bus/messages/service_messages.hpp"
 #include "bus/node/process.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/load_rig.hpp"
 #include "cli/logs/simulated_rig.hpp"
-#include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/config/scene_rig.hpp"
 #include "io/file_error.hpp"
@@ -55,7 +55,7 @@ Interval interval_of(const SimulateOptions& options, std::int64_t scene_end_utim
 std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
                        simulation::Simulator& simulator, const Interval& interval,
                        std::int64_t& last_utime) {
-  LongWork work("simulating");
+  InterruptibleWork work("simulating");
   io::LogWriter writer(options.out_path);
   std::int64_t num_messages = 0;
   while (const auto sensed = simulator.next()) {

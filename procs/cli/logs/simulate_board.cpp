@@ -7,8 +7,8 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/logs/simulated_rig.hpp"
-#include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
@@ -42,7 +42,7 @@ int run_simulate_board(const SimulateOptions& options) {
   make_parent_folder(options.out_path);
   const io::Config config = rig_of(options);
   simulation::BoardScene scene = make_scene(options, config);
-  LongWork work("simulating");
+  InterruptibleWork work("simulating");
   io::LogWriter writer(options.out_path);
   std::int64_t num_messages = 0;
   std::int64_t last_utime = simulation::kEpochUtime;

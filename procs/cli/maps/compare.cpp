@@ -7,7 +7,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/maps/map_input.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
 #include "io/map/comparison_files.hpp"
@@ -91,7 +91,7 @@ int run_compare(const CompareOptions& options) {
   const mapping::DetectionMap view_a = view_of(input_a.mapped, options.reach_m);
   const mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
   const mapping::MapAlignment alignment =
-      lay_on(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
+      register_map(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(
       a.landmarks, b.landmarks, view_a, view_b, alignment, options.comparison);
   const io::ComparisonContent content{options.earlier_path, options.later_path, a.landmarks,

@@ -13,10 +13,10 @@
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
-#include "cli/long_work.hpp"
+#include "cli/interruptible_work.hpp"
 #include "cli/maps/map_corrections.hpp"
-#include "cli/maps/map_laying.hpp"
 #include "cli/maps/map_pipeline.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "cli/maps/no_pose.hpp"
 #include "cli/maps/scan_timer.hpp"
 #include "io/config/config.hpp"
@@ -83,7 +83,7 @@ std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& 
   const std::vector<bus::Node*> nodes = pipeline.nodes();
   const auto traffic = bus::named_counts(report, {nodes.begin(), nodes.end()});
   counts.insert(counts.end(), traffic.begin(), traffic.end());
-  for (const auto& [name, value] : pipeline.pose->account()) {
+  for (const auto& [name, value] : pipeline.pose->statistics()) {
     counts.emplace_back(kPoseAccount + name, value);
   }
   return counts;
@@ -95,7 +95,7 @@ std::int64_t count_label(const std::vector<mapping::Landmark>& landmarks, detect
 }
 
 void print_summary(const MapOptions& options, const ReplayReport& report,
-                   const io::MapFolderContent& content, const std::optional<KeptMap>& kept,
+                   const io::MapFolderContent& content, const std::optional<EarlierIdentity>& kept,
                    const std::string& corrections) {
   using detection::Label;
   const auto& landmarks = content.landmarks;
@@ -117,13 +117,13 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
     }
   }
   std::printf("losses: %s\n", losses.empty() ? "none" : losses.c_str());
-  std::string account;
+  std::string statistics;
   for (const auto& [name, value] : content.summary.counts) {
     if (name.rfind(kPoseAccount, 0) != 0) continue;
-    account += (account.empty() ? "" : ", ") + name.substr(kPoseAccount.size()) + " " +
-               std::to_string(value);
+    statistics += (statistics.empty() ? "" : ", ") + name.substr(kPoseAccount.size()) + " " +
+                  std::to_string(value);
   }
-  if (!account.empty()) std::printf("pose: %s\n", account.c_str());
+  if (!statistics.empty()) std::printf("pose: %s\n", statistics.c_str());
   if (kept) {
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
                 kept->numbers.num_found, kept->numbers.num_gone, kept->numbers.num_new);
@@ -180,7 +180,8 @@ int run_map(const MapOptions& options) {
   }
   io::make_folder(options.out_folder, "choose another folder with --out");
   MapPipeline pipeline(config, options.out_folder);
-  LongWork work("mapping", !options.quiet);  // from here on Ctrl-C removes partly written files
+  InterruptibleWork work("mapping",
+                         !options.quiet);  // from here on Ctrl-C removes partly written files
   const std::string derived_path = options.out_folder + "/derived.lcm";
   std::optional<io::LogWriter> derived;
   if (!options.no_derived) derived.emplace(derived_path);
@@ -224,9 +225,9 @@ int run_map(const MapOptions& options) {
         "the map is empty: no object was observed at least mapper.min_observations times");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  std::optional<KeptMap> kept;
+  std::optional<EarlierIdentity> kept;
   if (previous) {
-    kept = keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
+    kept = transfer_identity(*previous, options.previous_alignment, config.mapper.rows, content);
   }
   std::string corrections;
   if (kept) {

@@ -7,7 +7,7 @@
 
 #include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
-#include "io/file_memory.hpp"
+#include "io/file_chunk_allocator.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -18,8 +18,9 @@ struct MapPipeline {
   /// Pose and mapper store the data of a long drive in files in `folder`.
   MapPipeline(const io::Config& config, const std::string& folder)
       : detector(config),
-        pose(std::make_unique<procs::PoseNode>(config, std::make_shared<io::FileMemory>(folder))),
-        mapper(config, std::make_shared<io::FileMemory>(folder)) {}
+        pose(std::make_unique<procs::PoseNode>(config,
+                                               std::make_shared<io::FileChunkAllocator>(folder))),
+        mapper(config, std::make_shared<io::FileChunkAllocator>(folder)) {}
   std::vector<bus::Node*> nodes() { return {&detector, pose.get(), &mapper}; }
 
   procs::DetectorNode detector;

@@ -15,7 +15,7 @@
 #include "bus/node/process.hpp"
 #include "cli/load_rig.hpp"
 #include "cli/maps/map_corrections.hpp"
-#include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
@@ -42,8 +42,8 @@ std::vector<pose::PoseEstimate> transformed(const std::vector<pose::PoseEstimate
   return result;
 }
 
-void append_ids(std::size_t number, const std::vector<mapping::KeptId>& ids, std::string& text) {
-  for (const mapping::KeptId& id : ids) {
+void append_ids(std::size_t number, const std::vector<mapping::MergedId>& ids, std::string& text) {
+  for (const mapping::MergedId& id : ids) {
     text += std::to_string(number) + "," + std::to_string(id.before) + "," +
             std::to_string(id.now) + "\n";
   }
@@ -69,7 +69,7 @@ Whole begin_with(const std::vector<io::StoredMap>& maps, std::size_t first,
   Whole whole{maps[first], {maps[first].landmarks, maps[first].next_id}, {}, {}, {}};
   whole.map.name = options.map_paths[first];
   whole.ids_of_map.resize(maps.size());
-  std::vector<mapping::KeptId> ids;
+  std::vector<mapping::MergedId> ids;
   for (const mapping::Landmark& l : whole.map.landmarks) ids.push_back({l.id, l.id});
   append_ids(first + 1, ids, whole.ids_of_map[first]);
   return whole;
@@ -108,8 +108,8 @@ Whole lay_all(const std::vector<io::StoredMap>& maps, std::size_t first,
     for (std::size_t i = 0; i < left.size() && !next; ++i) {
       const std::size_t k = left[i];
       try {
-        const auto alignment =
-            lay_on(whole.map, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
+        const auto alignment = register_map(whole.map, view, maps[k],
+                                            view_of(maps[k], options.reach_m), options.alignment);
         add_map(maps[k], k, alignment, options, whole);
         next = i;
       } catch (const io::FileError& error) {
@@ -134,7 +134,7 @@ std::size_t first_on(const io::StoredMap& previous, const std::vector<io::Stored
   std::string reason;
   for (std::size_t k = 0; k < maps.size(); ++k) {
     try {
-      lay_on(previous, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
+      register_map(previous, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
       return k;
     } catch (const io::FileError& error) {
       if (reason.empty()) reason = error.what();
@@ -257,9 +257,9 @@ int run_merge(const MergeOptions& options) {
                                        "with `orchard edit MAP apply` and merge that");
     std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  KeptMap kept;
+  EarlierIdentity kept;
   if (previous) {
-    kept = keep_known(*previous, options.alignment, rows, content);
+    kept = transfer_identity(*previous, options.alignment, rows, content);
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
                 kept.numbers.num_found, kept.numbers.num_gone, kept.numbers.num_new);
     const std::string told = account_corrections("orchard merge", kept.corrections, content);

@@ -10,7 +10,8 @@
 namespace orchard::cli {
 namespace {
 
-mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
+mapping::FreeSpaceTest beside_paths(
+    const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
   constexpr double kBeside_m = 1.0;
   std::vector<Eigen::Vector2d> path;
   for (const auto& trajectory : trajectories) {

@@ -97,7 +97,7 @@ std::string FolderPage::page() const {
 
 std::string FolderPage::hello() const { return "{\"kind\":\"hello\",\"boot\":\"" + boot_ + "\"}"; }
 
-std::vector<std::string> FolderPage::events_for(view::Seen& seen, bool& is_more) const {
+std::vector<std::string> FolderPage::events_for(view::ViewerProgress& seen, bool& is_more) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> events;
   const view::LiveMap::Changes changes =

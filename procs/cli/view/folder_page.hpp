@@ -22,7 +22,7 @@ class FolderPage : public procs::PageContent {
   FolderPage(const std::string& folder, bool can_edit);
 
   std::string page() const override;
-  std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const override;
+  std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const override;
   std::string hello() const override;
   /// `photo?id=17`
   std::optional<procs::PageAnswer> get(const std::string& name,

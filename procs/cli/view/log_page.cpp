@@ -17,7 +17,7 @@
 #include "io/map/map_folder.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/whole_number.hpp"
-#include "view/look_json.hpp"
+#include "view/detections_json.hpp"
 #include "view/map_data.hpp"
 #include "viewer/live_page.hpp"
 
@@ -190,8 +190,8 @@ std::string LogPage::outcome() const {
 
 std::string LogPage::news(const Parameters& parameters) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  view::DriveSeen seen{number_of(parameters, "steps"), number_of(parameters, "changes"),
-                       number_of(parameters, "paths")};
+  view::DriveProgress seen{number_of(parameters, "steps"), number_of(parameters, "changes"),
+                           number_of(parameters, "paths")};
   const std::string text = record_.news_json(seen);
   const bool has_failed = !outcome_.empty() && outcome_ != "ok";
   return "{" + text + ",\"seen\":[" + std::to_string(seen.steps) + "," +
@@ -232,7 +232,8 @@ std::optional<std::string> LogPage::step(std::size_t at) const {
     const auto detections = decoded<detection::Detections>(
         Channel::kDetections, spill_->read(stored->offset, stored->size));
     if (detections && detections->image_utime != 0) {
-      text += ",\"look\":{" + view::look_json(*detections, rig, "at=" + std::to_string(at)) + "}";
+      text +=
+          ",\"look\":{" + view::detections_json(*detections, rig, "at=" + std::to_string(at)) + "}";
     }
   }
   return text + "}";

@@ -28,7 +28,7 @@ class LogPage : public procs::PageContent {
   ~LogPage() override;
 
   std::string page() const override { return page_; }
-  std::vector<std::string> events_for(view::Seen&, bool& is_more) const override {
+  std::vector<std::string> events_for(view::ViewerProgress&, bool& is_more) const override {
     is_more = false;
     return {};
   }

@@ -65,7 +65,7 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
                }
              }});
   for (const pose::SlamWorld::Tree& tree : world.trees) {
-    drive.trees.push_back(geometry::transform_back(*start, tree.p_map));
+    drive.trees.push_back(geometry::inverse_transform(*start, tree.p_map));
   }
   return drive;
 }

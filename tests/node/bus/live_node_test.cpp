@@ -73,7 +73,7 @@ class Latecomer : public Recorder {
     counts.num_late = num_late;
     return counts;
   }
-  void overhear(const Status& status) override {
+  void handle_status(const Status& status) override {
     num_late += 3;
     ++num_heard;
     said = status.text;

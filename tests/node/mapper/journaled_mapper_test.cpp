@@ -35,7 +35,7 @@ struct Process {
   Process(const io::Config& config, const std::string& folder, std::int64_t hash = 5,
           int snapshot_period = JournaledMapper::kSnapshotPeriod)
       : place(folder), node(config, hash, place, snapshot_period), drive(node) {}
-  io::MapPlace place;
+  io::MapFolderLock place;
   JournaledMapper node;
   RowDrive drive;
 };

@@ -75,7 +75,7 @@ TEST(KilledMapper, NeverLosesWhatWasSavedNorAnId) {
                   ((byte(28) << 24) + (byte(29) << 16) + (byte(30) << 8) + byte(31)));
     // and is gone on with
     {
-      io::MapPlace place(folder.path());
+      io::MapFolderLock place(folder.path());
       const JournaledMapper again(io::Config{}, 5, place);
       ASSERT_TRUE(again.notes().empty()) << again.notes().front();
       ASSERT_GE(again.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], saved + 1);

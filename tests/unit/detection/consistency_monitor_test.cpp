@@ -42,7 +42,8 @@ TEST(ConsistencyMonitor, WarnsAfterItsWindowAndClearsWithHysteresis) {
   EXPECT_EQ(monitor.warning(), "");
   watch(monitor, utime, 30, 3.0);
   EXPECT_FALSE(monitor.is_raised());
-  EXPECT_NE(monitor.whole_run().find("disagreed by 5."), std::string::npos) << monitor.whole_run();
+  EXPECT_NE(monitor.run_summary().find("disagreed by 5."), std::string::npos)
+      << monitor.run_summary();
 }
 
 TEST(ConsistencyMonitor, FewObservationsSayNothing) {
@@ -53,7 +54,7 @@ TEST(ConsistencyMonitor, FewObservationsSayNothing) {
   }
   EXPECT_EQ(monitor.num_observations(), 10);
   EXPECT_EQ(monitor.warning(), "");
-  EXPECT_EQ(monitor.whole_run(), "");
+  EXPECT_EQ(monitor.run_summary(), "");
 }
 
 TEST(ConsistencyMonitor, OffMeansOff) {

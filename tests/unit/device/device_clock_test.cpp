@@ -69,8 +69,8 @@ double read_clock(DeviceClock& clock, const Device& device, double utime, std::m
 /// Stamps of `hours` at 10 Hz against the truth, each sent 75 ms after the stamped instant.
 Errors run(Device device, double hours, unsigned seed) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(75e3);
-  clock.begin_talk();
+  clock.set_min_delay(75e3);
+  clock.begin_connection();
   std::mt19937 random(seed);
   Line line(seed);
   double begin = read_clock(clock, device, static_cast<double>(kNoon), random);
@@ -110,7 +110,7 @@ TEST(DeviceClock, TheSkewOfTheClocksIsFound) {
 // A motor that has to start lets the first sweep come five seconds after the clock was read.
 TEST(DeviceClock, TheFirstStampMayComeLongAfterTheClockWasRead) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(20e3);
+  clock.set_min_delay(20e3);
   const Device device{static_cast<double>(kNoon) - 3600e6, 50e-6};
   std::mt19937 random(1);
   const double read = read_clock(clock, device, static_cast<double>(kNoon), random);
@@ -122,14 +122,14 @@ TEST(DeviceClock, TheFirstStampMayComeLongAfterTheClockWasRead) {
 
 TEST(DeviceClock, ADeviceThatStartsAnewIsNoticedAndFollowed) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(3000.0);
+  clock.set_min_delay(3000.0);
   Device device{static_cast<double>(kNoon) - 3600e6, 0.0};
   double t = static_cast<double>(kNoon);
   for (; t < static_cast<double>(kNoon) + 60e6; t += 25e3) {
     clock.arrived(device.ticks(t), static_cast<std::int64_t>(t + 3000));
   }
   device.start_us = t;  // the cable was pulled; two seconds later it has booted
-  clock.begin_talk();
+  clock.begin_connection();
   for (t += 2e6; t < static_cast<double>(kNoon) + 90e6; t += 25e3) {
     const double device_us = clock.arrived(device.ticks(t), static_cast<std::int64_t>(t + 3000));
     EXPECT_NEAR(static_cast<double>(clock.host_utime(device_us)), t, 1500.0);
@@ -139,7 +139,7 @@ TEST(DeviceClock, ADeviceThatStartsAnewIsNoticedAndFollowed) {
 
 TEST(DeviceClock, AHostThatStoodStillReadsLateAndStampsRight) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(3000.0);
+  clock.set_min_delay(3000.0);
   const Device device{static_cast<double>(kNoon) - 3600e6, 0.0};
   const auto start = static_cast<double>(kNoon);
   for (double t = start; t < start + 60e6; t += 25e3) {
@@ -155,7 +155,7 @@ TEST(DeviceClock, AHostThatStoodStillReadsLateAndStampsRight) {
 
 TEST(DeviceClock, AStepOfTheHostsClockMovesTheStampsAtOnce) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(3000.0);
+  clock.set_min_delay(3000.0);
   const Device device{static_cast<double>(kNoon) - 3600e6, 0.0};
   const auto start = static_cast<double>(kNoon);
   double step_us = 0.0;
@@ -174,7 +174,7 @@ TEST(DeviceClock, AStepOfTheHostsClockMovesTheStampsAtOnce) {
 // NTP that pulls the host's clock by 500 ppm for a minute: 30 ms in all.
 TEST(DeviceClock, AHostThatIsSlewedIsFollowed) {
   DeviceClock clock(24, 1000.0);
-  clock.set_least_delay(3000.0);
+  clock.set_min_delay(3000.0);
   const Device device{static_cast<double>(kNoon) - 3600e6, 0.0};
   const auto start = static_cast<double>(kNoon);
   double worst_us = 0.0;

@@ -43,8 +43,8 @@ TEST(Pose2, IsAGroup) {
   for (int k = 0; k < 100; ++k) {
     const Eigen::Vector3d T_a_b = draw.pose(), T_b_c = draw.pose(), T_c_d = draw.pose();
     const Eigen::Vector2d p = draw.point();
-    EXPECT_NEAR((transform_back(T_a_b, transform(T_a_b, p)) - p).norm(), 0.0, 1e-12);
-    EXPECT_NEAR((transform(inverse(T_a_b), p) - transform_back(T_a_b, p)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((inverse_transform(T_a_b, transform(T_a_b, p)) - p).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((transform(inverse(T_a_b), p) - inverse_transform(T_a_b, p)).norm(), 0.0, 1e-12);
     EXPECT_NEAR(compose(T_a_b, inverse(T_a_b)).norm(), 0.0, 1e-12);
     const Eigen::Vector3d left = compose(compose(T_a_b, T_b_c), T_c_d);
     const Eigen::Vector3d right = compose(T_a_b, compose(T_b_c, T_c_d));
@@ -96,7 +96,7 @@ TEST(Pose2, CovarianceOfAPointTurnsWithIt) {
   const double angle_rad = 0.7;
   const Eigen::Matrix2d P = (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 2.0).finished();
   const Eigen::Matrix2d turned = rotation(angle_rad) * P * rotation(angle_rad).transpose();
-  const auto [xx, xy, yy] = turned_covariance({4.0, 1.0, 2.0}, angle_rad);
+  const auto [xx, xy, yy] = rotated_covariance({4.0, 1.0, 2.0}, angle_rad);
   EXPECT_NEAR(xx, turned(0, 0), 1e-12);
   EXPECT_NEAR(xy, turned(0, 1), 1e-12);
   EXPECT_NEAR(yy, turned(1, 1), 1e-12);

@@ -105,8 +105,8 @@ TEST(RigidFit2, TwoOnTwoHalvesWhatTheirLengthsDifferBy) {
   const Pose2 truth{-3.0, 8.0, 3.0};
   const Vector2d b1(1.0, 2.0), b2(5.0, 2.0);
   const Vector2d a1 = transform(truth, {0.9, 2.0}), a2 = transform(truth, {5.1, 2.0});
-  expect_same(through_two(a1, a2, b1, b2), truth, 1e-12);
-  expect_same(through_two(a1, a2, b1, b2), fit_rigid({a1, a2}, {b1, b2}).T_a_b, 1e-12);
+  expect_same(pose_from_two_pairs(a1, a2, b1, b2), truth, 1e-12);
+  expect_same(pose_from_two_pairs(a1, a2, b1, b2), fit_rigid({a1, a2}, {b1, b2}).T_a_b, 1e-12);
 }
 
 }  // namespace

@@ -58,28 +58,28 @@ TEST(Visibility, HidesWhatTheSightLinesCannotReach) {
   const Vector2d trunk = at(4.0, 0.7);
   const double width_m = 0.2;
   OcclusionTest occlusion;
-  EXPECT_FALSE(occlusion.hides(at(8.0, 0.7)));
+  EXPECT_FALSE(occlusion.occludes(at(8.0, 0.7)));
   occlusion.add(trunk, width_m);
   for (int k = -200; k <= 200; ++k) {
     for (const double range_m : {2.0, 3.9, 4.5, 6.0, 12.0}) {
       const Vector2d p = at(range_m, 0.7 + 1e-3 * k);
       // the centre's line of sight is cut: hidden for sure, but for what is the trunk itself
       if (range_m > 4.4 && crosses(p, trunk, 0.5 * width_m)) {
-        EXPECT_TRUE(occlusion.hides(p)) << k << " " << range_m;
+        EXPECT_TRUE(occlusion.occludes(p)) << k << " " << range_m;
       }
       // clear by far more than the borders, or nearer than the trunk: seen for sure
       if (range_m < 4.2 || !crosses(p, trunk, 0.5 * width_m + 0.2)) {
-        EXPECT_FALSE(occlusion.hides(p)) << k << " " << range_m;
+        EXPECT_FALSE(occlusion.occludes(p)) << k << " " << range_m;
       }
     }
   }
-  EXPECT_FALSE(occlusion.hides(at(8.0, 0.7 + kPi)));
+  EXPECT_FALSE(occlusion.occludes(at(8.0, 0.7 + kPi)));
 }
 
 TEST(Visibility, WhatStandsInTheScannerHidesNothing) {
   OcclusionTest occlusion;
   occlusion.add({0.0, 0.0}, 0.2);
-  EXPECT_FALSE(occlusion.hides({5.0, 0.0}));
+  EXPECT_FALSE(occlusion.occludes({5.0, 0.0}));
 }
 
 }  // namespace

@@ -219,13 +219,13 @@ TEST(LandmarkRecord, OnceTheCameraObservationsItsObservationsAloneSpeak) {
 
 TEST(LandmarkRecord, AFlashOutweighsObservationsWithoutOne) {
   MapperConfig config;
-  config.flash_tells = true;
+  config.reflector_marks_tree = true;
   detection::Detection flash, dim;
   flash.label = Label::kTree;
   dim.label = Label::kObject;
   EXPECT_GT(evidence_of(flash, config) + 4.0 * evidence_of(dim, config), 0.0);
   EXPECT_LT(evidence_of(flash, config) + 40.0 * evidence_of(dim, config), 0.0);  // a stray gleam
-  config.flash_tells = false;
+  config.reflector_marks_tree = false;
   EXPECT_LT(evidence_of(flash, config) + 4.0 * evidence_of(dim, config), 0.0);
 }
 

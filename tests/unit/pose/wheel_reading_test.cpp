@@ -82,7 +82,7 @@ TEST(WheelReading, OfTheWayBeforeTheFirstFix) {
   fix.utime = utime_at(45 * kPeriod_s);
   fix.x_m = way_at(45 * kPeriod_s);
   estimator.add(fix);
-  const auto past = estimator.take_past();
+  const auto past = estimator.take_past_poses();
   ASSERT_EQ(past.size(), 45u);
   for (int i = 0; i < 45; ++i) EXPECT_NEAR(past[i].x_m, way_at(i * kPeriod_s), 1e-6) << i;
 }

@@ -36,14 +36,14 @@ mapping::MapTile make_tile(std::int64_t utime, std::int32_t id, double x_m) {
   return tile;
 }
 
-json news_of(const DriveRecord& record, DriveSeen& seen) {
+json news_of(const DriveRecord& record, DriveProgress& seen) {
   return json::parse("{" + record.news_json(seen) + "}");
 }
 
 TEST(DriveRecord, AStepIsToldOnceItsPoseIsKnown) {
   DriveRecord record(1);
   record.take(make_scan(1500000));
-  DriveSeen seen;
+  DriveProgress seen;
   record.take(make_robot(1000000, 0.0, 3.0));
   EXPECT_EQ(news_of(record, seen)["num_steps"], 0);
   record.take(make_robot(2000000, 1.0, -3.0));  // turned on over pi
@@ -67,7 +67,7 @@ TEST(DriveRecord, TheMapGrowsByChangesThatCanBeSeen) {
   gone.utime = 3;
   gone.removed_ids = {7, 99};
   record.take(gone);
-  DriveSeen seen;
+  DriveProgress seen;
   const json changes = news_of(record, seen)["changes"];
   EXPECT_EQ(changes["step"], json({0, 2, 3}));
   EXPECT_EQ(changes["removed"], json({0, 0, 1}));
@@ -83,7 +83,7 @@ TEST(DriveRecord, ItEndsWithTheFinishedMap) {
   mapping::Landmark last = make_tile(1, 4, 2.0001).landmarks[0];
   last.row = 1;
   record.finish({last});
-  DriveSeen seen;
+  DriveProgress seen;
   const json news = news_of(record, seen);
   EXPECT_TRUE(news["is_done"]);
   const json& columns = news["changes"]["landmarks"];
@@ -102,7 +102,7 @@ TEST(DriveRecord, APathHoldsFromItsStepOn) {
   page.utime = 1;
   page.poses = {make_robot(0, 5.0), make_robot(1, 6.0)};
   record.take(page);
-  DriveSeen seen;
+  DriveProgress seen;
   const json paths = news_of(record, seen)["paths"];
   ASSERT_EQ(paths.size(), 1u);
   EXPECT_EQ(paths[0]["step"], 1);
@@ -117,7 +117,7 @@ TEST(DriveRecord, WhoIsFarBehindIsToldInParts) {
     record.take(make_tile(k, k, k));
   }
   record.finish({});
-  DriveSeen seen;
+  DriveProgress seen;
   std::size_t steps = 0, changes = 0;
   bool is_more = true;
   for (int round = 0; is_more && round < 100; ++round) {

@@ -29,7 +29,7 @@ pose::PoseEstimate make_pose(std::int64_t utime, double x_m, double yaw_rad) {
   return pose;
 }
 
-std::map<std::string, json> events_of(const LiveState& state, Seen& seen) {
+std::map<std::string, json> events_of(const LiveState& state, ViewerProgress& seen) {
   std::map<std::string, json> events;
   bool is_more = true;
   while (is_more) {
@@ -53,7 +53,7 @@ TEST(LiveState, LaysTheScanWhereTheRobotWas) {
   scan.ranges_m = {2.0f, 0.0f};
   state.take(make_pose(1000000, 0.0, M_PI / 2));
   state.take(scan);
-  Seen seen;
+  ViewerProgress seen;
   EXPECT_EQ(events_of(state, seen).count("scan"), 0u) << "nobody knows yet where that was";
   state.take(make_pose(2000000, 1.0, M_PI / 2));
   const auto events = events_of(state, seen);
@@ -81,13 +81,13 @@ TEST(LiveState, ThePictureIsTheOneThatItsDetectionsAreOf) {
   ASSERT_TRUE(state.picture());
   EXPECT_EQ(state.picture()->utime, 2);
   EXPECT_EQ(state.picture()->bytes, std::string("\x02"));
-  Seen seen;
+  ViewerProgress seen;
   EXPECT_TRUE(events_of(state, seen)["look"]["trunks"].empty());
 }
 
 TEST(LiveState, APathThatIsCorrectedIsToldAnew) {
   LiveState state(make_rig(), 1);
-  Seen seen;
+  ViewerProgress seen;
   for (int k = 0; k < 10; ++k) state.take(make_pose(k, 0.1 * k, 0.0));
   EXPECT_EQ(events_of(state, seen)["path"]["points"].size(), 20u);
   state.take(make_pose(10, 1.0, 0.0));

@@ -58,7 +58,7 @@ TEST(InputWatch, SaysTheSharesOfTheLastTenSeconds) {
   EXPECT_TRUE(watch.text(Channel::kScan, Time()).empty());
   counts.num_lost = 5;
   counts.num_duplicate = 10;
-  counts.num_leaps = 1;
+  counts.num_jumps = 1;
   watch.count(Channel::kScan, counts, 1095);
   EXPECT_EQ(
       watch.text(Channel::kScan, Time()),

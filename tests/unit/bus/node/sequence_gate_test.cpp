@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr std::int64_t kHour = 3600 * kSecond;
 constexpr std::int64_t kStart = 1'700'000'000 * kSecond;
-constexpr int kMany = SequenceGate::kNumToBelieve;
+constexpr int kMany = SequenceGate::kNumToConfirm;
 
 /// Ten messages per second from `seq` on; how many were taken at once.
 int drive(SequenceGate& gate, Channel channel, std::int32_t seq, std::int64_t utime, int num) {
@@ -95,7 +95,7 @@ TEST(SequenceGate, OneLeapOfTimeOrNumberIsNotBelieved) {
     drive(gate, Channel::kScan, 0, kStart, 100);
     EXPECT_EQ(gate.accept(Channel::kScan, seq, utime), GateDecision::kHeld) << seq << " " << utime;
     EXPECT_EQ(drive(gate, Channel::kScan, 100, kStart + 10 * kSecond, 100), 100);
-    EXPECT_EQ(gate.counts().num_leaps, 1) << seq << " " << utime;
+    EXPECT_EQ(gate.counts().num_jumps, 1) << seq << " " << utime;
     EXPECT_EQ(gate.counts().num_lost, 0);
     EXPECT_EQ(gate.counts().num_restarts, 0);
   }
@@ -109,10 +109,10 @@ TEST(SequenceGate, ALeapIsBelievedWhenSeveralAgreeInEitherDirection) {
       EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + leap + i), GateDecision::kHeld);
       EXPECT_EQ(gate.num_held(Channel::kScan), i + 1);
     }
-    EXPECT_EQ(gate.accept(Channel::kScan, kMany, kStart + leap + kMany), GateDecision::kBelieved);
+    EXPECT_EQ(gate.accept(Channel::kScan, kMany, kStart + leap + kMany), GateDecision::kConfirmed);
     EXPECT_EQ(drive(gate, Channel::kScan, kMany + 1, kStart + leap + kMany + 1, 50), 50);
     EXPECT_EQ(gate.counts().num_restarts, 1);
-    EXPECT_EQ(gate.counts().num_leaps, 0) << "those that were held are used";
+    EXPECT_EQ(gate.counts().num_jumps, 0) << "those that were held are used";
     EXPECT_NEAR(gate.counts(Channel::kScan).clock_change_s, 1e-6 * static_cast<double>(leap), 11.0);
   }
 }
@@ -127,7 +127,7 @@ TEST(SequenceGate, ADuplicateAmongThoseThatAgreeDoesNotPutThemOff) {
       EXPECT_EQ(gate.accept(Channel::kScan, i, kStart - kHour + i), GateDecision::kDuplicate);
     }
   }
-  EXPECT_EQ(decision, GateDecision::kBelieved);
+  EXPECT_EQ(decision, GateDecision::kConfirmed);
 }
 
 TEST(SequenceGate, ARobotThatPausesLosesNothing) {
@@ -173,9 +173,9 @@ TEST(SequenceGate, WhatWasKeptAsideIsUsedWhenAnotherChannelComesToItsTime) {
   }
   const int last = 10 + kMany - 1;
   const std::int64_t now = kStart + kHour + kMany * kSecond;
-  EXPECT_EQ(gate.accept(Channel::kScan, last, now), GateDecision::kBelieved);
-  EXPECT_EQ(gate.accept(Channel::kGnss, last, now), GateDecision::kBelieved);
-  EXPECT_EQ(gate.counts().num_leaps, 0);
+  EXPECT_EQ(gate.accept(Channel::kScan, last, now), GateDecision::kConfirmed);
+  EXPECT_EQ(gate.accept(Channel::kGnss, last, now), GateDecision::kConfirmed);
+  EXPECT_EQ(gate.counts().num_jumps, 0);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
@@ -190,7 +190,7 @@ TEST(SequenceGate, OneMessageOfHalfAMinuteAheadShutsNobodyOut) {
   for (int i = 2; i < 20; ++i) {
     EXPECT_EQ(accept(i, i * kSecond / 10, i * kSecond / 10), GateDecision::kNew) << i;
   }
-  EXPECT_EQ(gate.counts().num_leaps, 1);
+  EXPECT_EQ(gate.counts().num_jumps, 1);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
@@ -201,7 +201,7 @@ TEST(SequenceGate, ALinkThatSkipsSomeSecondsAndCatchesUpLosesOnlyThose) {
     const GateDecision decision =
         gate.accept(Channel::kScan, seq, kStart + seq * kSecond / 10, arrival);
     if (decision == GateDecision::kNew) num_used += 1;
-    if (decision == GateDecision::kBelieved) num_used += kMany;
+    if (decision == GateDecision::kConfirmed) num_used += kMany;
   };
   for (int i = 0; i < 100; ++i) accept(i, i * kSecond / 10);
   // Held up for ten seconds; of what waited the middle is lost, the rest comes at once.
@@ -211,7 +211,7 @@ TEST(SequenceGate, ALinkThatSkipsSomeSecondsAndCatchesUpLosesOnlyThose) {
   EXPECT_EQ(num_used, 250);
   EXPECT_EQ(gate.counts().num_lost, 50);
   EXPECT_EQ(gate.counts().num_restarts, 0);
-  EXPECT_EQ(gate.counts().num_leaps, 0);
+  EXPECT_EQ(gate.counts().num_jumps, 0);
 }
 
 TEST(SequenceGate, ManyForgedOnesHoldUpNoSourceForLong) {
@@ -229,8 +229,8 @@ TEST(SequenceGate, ManyForgedOnesHoldUpNoSourceForLong) {
       const std::int64_t arrival = i * period + below(20'000);
       const GateDecision decision = gate.accept(Channel::kScan, i, utime, arrival);
       num_held = decision == GateDecision::kHeld ? num_held + 1 : num_held;
-      if (decision == GateDecision::kNew || decision == GateDecision::kBelieved) {
-        num_used += decision == GateDecision::kBelieved ? 1 + num_held : 1;
+      if (decision == GateDecision::kNew || decision == GateDecision::kConfirmed) {
+        num_used += decision == GateDecision::kConfirmed ? 1 + num_held : 1;
         num_held = 0;
         longest = std::max(longest, utime - last_used);
         last_used = utime;
@@ -264,10 +264,10 @@ TEST(SequenceGate, OneThatComesEarlyIsUsedWithTheNext) {
     const GateDecision decision =
         gate.accept(Channel::kOdometry, i, kStart + i * kSecond / 50, arrival);
     if (decision == GateDecision::kNew) num_used += 1;
-    if (decision == GateDecision::kBelieved) num_used += 2;
+    if (decision == GateDecision::kConfirmed) num_used += 2;
   }
   EXPECT_EQ(num_used, 100);
-  EXPECT_EQ(gate.counts().num_leaps, 0);
+  EXPECT_EQ(gate.counts().num_jumps, 0);
 }
 
 TEST(SequenceGate, OtherChannelsKnowWhatTimeItIs) {
@@ -293,7 +293,7 @@ TEST(SequenceGate, ASourceThatPlaysTheSameLaterIsNoticed) {
     gate.accept(Channel::kScan, 30 + i, kStart + (30 + i) * kSecond / 10);
     gate.accept(Channel::kScan, 230 + i, kStart + (230 + i) * kSecond / 10);
   }
-  EXPECT_GT(gate.counts().num_contests, 20);
+  EXPECT_GT(gate.counts().num_second_source_signs, 20);
 }
 
 TEST(SequenceGate, OfTwoSourcesTheFirstIsKept) {
@@ -306,7 +306,7 @@ TEST(SequenceGate, OfTwoSourcesTheFirstIsKept) {
     num_second += gate.accept(Channel::kScan, i, utime + 30000) == GateDecision::kNew ? 1 : 0;
   }
   EXPECT_EQ(num_second, 1) << "it might have been the first one, started again";
-  EXPECT_GT(gate.counts().num_contests, 50);
+  EXPECT_GT(gate.counts().num_second_source_signs, 50);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "calibration/board/camera_verdict.hpp"
+#include "calibration/board/camera_acceptance.hpp"
 #include "calibration/board/view_selection.hpp"
 #include "simulation/scene/board_motion.hpp"
 
@@ -121,13 +121,13 @@ TEST(CameraCalibration, TooFewViewsAreRefused) {
 
 TEST(CameraVerdict, GoodViewsPass) {
   for (const std::uint64_t seed : {11, 12, 13}) {
-    EXPECT_THAT(verdict_on(calibrate(views_of(25, 0.1, seed))), IsEmpty()) << seed;
+    EXPECT_THAT(rejection_reasons(calibrate(views_of(25, 0.1, seed))), IsEmpty()) << seed;
   }
 }
 
 /// The reasons against views that lack one thing; the words must be among them.
 void expect_reason(const std::vector<NamedView>& views, const std::string& words) {
-  const std::vector<std::string> reasons = verdict_on(calibrate(views));
+  const std::vector<std::string> reasons = rejection_reasons(calibrate(views));
   EXPECT_THAT(reasons, testing::Contains(HasSubstr(words)));
 }
 
@@ -159,7 +159,8 @@ TEST(CameraVerdict, NamesTheOneCornerThatWasNeverSeen) {
     if (!lower_right) views.push_back(view);
   }
   ASSERT_GT(views.size(), 15u);
-  EXPECT_THAT(verdict_on(calibrate(views)), ElementsAre(HasSubstr("in the lower right corner of")));
+  EXPECT_THAT(rejection_reasons(calibrate(views)),
+              ElementsAre(HasSubstr("in the lower right corner of")));
 }
 
 TEST(CameraVerdict, NamesTiltsToTwoSidesOnlyAndOneDistance) {
@@ -188,18 +189,20 @@ TEST(CameraVerdict, NamesTiltsToTwoSidesOnlyAndOneDistance) {
 TEST(CameraVerdict, KnowsALensThatCannotBe) {
   CameraCalibration found = calibrate(views_of(25, 0.1, 51));
   found.intrinsics.kc = {-0.9, 0.0, 0.0, 0.0, 0.0};
-  EXPECT_THAT(verdict_on(found), ElementsAre(HasSubstr("not invertible")));
+  EXPECT_THAT(rejection_reasons(found), ElementsAre(HasSubstr("not invertible")));
   found = calibrate(views_of(25, 0.1, 51));
   found.intrinsics.cc_px[0] = 20.0;
-  EXPECT_THAT(verdict_on(found), ElementsAre(HasSubstr("far from the middle of the picture")));
+  EXPECT_THAT(rejection_reasons(found),
+              ElementsAre(HasSubstr("far from the middle of the picture")));
   found = calibrate(views_of(25, 0.1, 51));
   found.intrinsics.fc_px[0] *= 1.3;
-  EXPECT_THAT(verdict_on(found), ElementsAre(HasSubstr("two focal lengths differ")));
+  EXPECT_THAT(rejection_reasons(found), ElementsAre(HasSubstr("two focal lengths differ")));
   found = calibrate(views_of(25, 0.1, 51));
   found.fc_sd_px[1] = 5.0;
   found.cc_sd_px[1] = 9.0;
-  EXPECT_THAT(verdict_on(found), ElementsAre(HasSubstr("focal length is uncertain by 2.3 %"),
-                                             HasSubstr("principal point is uncertain by 9.0 px")));
+  EXPECT_THAT(rejection_reasons(found),
+              ElementsAre(HasSubstr("focal length is uncertain by 2.3 %"),
+                          HasSubstr("principal point is uncertain by 9.0 px")));
 }
 
 TEST(ViewSelection, TakesDifferentViewsAndIsRepeatable) {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "calibration/extrinsics/check.hpp"
-#include "calibration/extrinsics/import.hpp"
+#include "calibration/extrinsics/extrinsics_check.hpp"
+#include "calibration/extrinsics/extrinsics_import.hpp"
 #include "geometry/laser_camera.hpp"
 
 namespace orchard::calibration {
@@ -20,14 +20,15 @@ using ::testing::HasSubstr;
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
 const BoardOutline kOutline{-0.12, -0.12, 0.60, 0.44};
 
-Mount upright() {  // laser forward, left, up = camera z, -x, -y; 6 cm above it, a little turned
+RigidExtrinsics
+upright() {  // laser forward, left, up = camera z, -x, -y; 6 cm above it, a little turned
   Eigen::Matrix3d R;
   R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   const Eigen::AngleAxisd off(2.0 * kDeg, Eigen::Vector3d(0.3, -0.8, 0.5).normalized());
   return {off.toRotationMatrix() * R, {0.01, -0.06, -0.02}};
 }
 
-Mount turned_about_view(const Mount& mount, double angle_deg) {
+RigidExtrinsics turned_about_view(const RigidExtrinsics& mount, double angle_deg) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(angle_deg * kDeg, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return {turn * mount.R_camera_laser, turn * mount.delta_m};
@@ -35,8 +36,8 @@ Mount turned_about_view(const Mount& mount, double angle_deg) {
 
 /// Exact beams on a board, cut by the sheet's edges: intersections of rays and a plane, none of the
 /// code under test.
-MountView view_of(const Mount& mount, double yaw_deg, double pitch_deg, double roll_deg,
-                  double range_m, double side_m) {
+ExtrinsicsView view_of(const RigidExtrinsics& mount, double yaw_deg, double pitch_deg,
+                       double roll_deg, double range_m, double side_m) {
   // the board's middle lies in the scan plane; its axes in the laser frame: x right, y down, z away
   Eigen::Matrix3d upright_board;
   upright_board << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -48,7 +49,7 @@ MountView view_of(const Mount& mount, double yaw_deg, double pitch_deg, double r
   const Eigen::Vector3d middle_board(0.24, 0.16, 0.0);
   const Eigen::Vector3d t_laser_board =
       Eigen::Vector3d(range_m, side_m, 0.03) - R_laser_board * middle_board;
-  MountView view;
+  ExtrinsicsView view;
   view.board.R_camera_board = mount.R_camera_laser * R_laser_board;
   view.board.t_camera_board_m = mount.R_camera_laser * t_laser_board + mount.delta_m;
   view.board.covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-7, 1e-7, 1e-7;
@@ -93,8 +94,8 @@ BoardLine cupboard() {
   return line;
 }
 
-std::vector<MountView> careful_views(const Mount& mount) {
-  std::vector<MountView> views;
+std::vector<ExtrinsicsView> careful_views(const RigidExtrinsics& mount) {
+  std::vector<ExtrinsicsView> views;
   for (int i = 0; i < 16; ++i) {
     const double yaw_deg = 32.0 * std::sin(2.4 * i), pitch_deg = 30.0 * std::cos(1.7 * i + 0.4);
     views.push_back(view_of(mount, yaw_deg, pitch_deg, 12.0 * std::sin(1.1 * i),
@@ -104,13 +105,13 @@ std::vector<MountView> careful_views(const Mount& mount) {
   return views;
 }
 
-LaserCameraCalibration calibrate(const std::vector<MountView>& views) {
+LaserCameraCalibration calibrate(const std::vector<ExtrinsicsView>& views) {
   LaserCameraOptions options;
   options.noise = {0.003, 0.003, 0.004, 0.002};
   return calibrate_laser_camera(views, kOutline, options);
 }
 
-void expect_mount(const Mount& found, const Mount& truth) {
+void expect_mount(const RigidExtrinsics& found, const RigidExtrinsics& truth) {
   EXPECT_LT((found.delta_m - truth.delta_m).norm(), 1e-4);
   EXPECT_LT(Eigen::AngleAxisd(found.R_camera_laser.transpose() * truth.R_camera_laser).angle(),
             1e-4);
@@ -130,7 +131,7 @@ TEST(LaserCameraCalibration, AWrongSquareSizeIsRefusedAndTheTrueOneNamed) {
   for (const double stated_of_true : {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.2}) {
     // pictures tell the board's distance in its squares: all distances are as wrong as they are
     auto views = careful_views(upright());
-    for (MountView& view : views) {
+    for (ExtrinsicsView& view : views) {
       view.board.t_camera_board_m *= stated_of_true;
       view.board.covariance.diagonal().tail<3>() *= stated_of_true * stated_of_true;
     }
@@ -146,7 +147,7 @@ TEST(LaserCameraCalibration, AWrongSquareSizeIsRefusedAndTheTrueOneNamed) {
 
 TEST(LaserCameraCalibration, AnUpsideDownOrPortraitCameraComesOutRight) {
   for (const double angle_deg : {180.0, 90.0, -90.0}) {
-    const Mount truth = turned_about_view(upright(), angle_deg);
+    const RigidExtrinsics truth = turned_about_view(upright(), angle_deg);
     const auto result = calibrate(careful_views(truth));
     ASSERT_EQ(result.refusal, "") << angle_deg;
     expect_mount(result.mount, truth);
@@ -166,7 +167,7 @@ TEST(LaserCameraCalibration, AViewThatContradictsTheRestIsNamed) {
   views[5].lines[1].middle_m *= 1.03;
   const auto result = calibrate(views);
   ASSERT_EQ(result.refusal, "");
-  EXPECT_NE(result.views[5].fate, LaserCameraView::Fate::kUsed);
+  EXPECT_NE(result.views[5].status, LaserCameraView::ViewStatus::kUsed);
   EXPECT_EQ(result.num_used, 15);
 }
 
@@ -177,13 +178,13 @@ struct Degenerate {
 };
 
 TEST(LaserCameraCalibration, EachDegenerateSetIsRefusedWithItsReason) {
-  const Mount mount = upright();
+  const RigidExtrinsics mount = upright();
   for (const Degenerate& set : std::vector<Degenerate>{
            {"parallel", 0.3, 0.3, "parallel to itself"},
            {"small tilts", 4.0, 4.0, "parallel to itself"},
            {"turned only", 35.0, 0.3, "about one axis only, the camera's y axis"},
            {"leaned only", 0.3, 35.0, "about one axis only, the camera's x axis"}}) {
-    std::vector<MountView> views;
+    std::vector<ExtrinsicsView> views;
     for (int i = 0; i < 16; ++i) {
       views.push_back(view_of(mount, set.yaw_deg * std::sin(2.4 * i),
                               set.pitch_deg * std::cos(1.7 * i + 0.4), 10.0 * std::sin(1.1 * i),
@@ -191,7 +192,7 @@ TEST(LaserCameraCalibration, EachDegenerateSetIsRefusedWithItsReason) {
     }
     EXPECT_THAT(calibrate(views).refusal, HasSubstr(set.reason)) << set.name;
   }
-  std::vector<MountView> two, one, still;
+  std::vector<ExtrinsicsView> two, one, still;
   for (int i = 0; i < 16; ++i) {
     two.push_back(view_of(mount, i % 2 ? 25 : -20, i % 2 ? -15 : 20, 3, 0.9 + 0.05 * i, 0));
     still.push_back(view_of(mount, 20, 10, 0, 1.2, 0));
@@ -212,8 +213,8 @@ TEST(LaserCameraCalibration, ABoardThatTheScannerNeverSawIsSaidSo) {
 }
 
 TEST(MountContradiction, MirroredPicturesAreNamedAgainstTheStatedMount) {
-  const Mount stated = upright();
-  EXPECT_EQ(mount_contradiction(stated, stated), "");
+  const RigidExtrinsics stated = upright();
+  EXPECT_EQ(extrinsics_contradiction(stated, stated), "");
   // what mirrored pictures make of the boards: their planes are mirrored
   for (const auto& [mirror, words] : std::vector<std::pair<Eigen::Vector3d, const char*>>{
            {{-1, 1, 1}, "mirrored left to right"}, {{1, -1, 1}, "mirrored top to bottom"}}) {
@@ -226,9 +227,9 @@ TEST(MountContradiction, MirroredPicturesAreNamedAgainstTheStatedMount) {
     }
     const auto result = calibrate(views);
     ASSERT_EQ(result.refusal, "");  // a plane cannot tell
-    EXPECT_THAT(mount_contradiction(result.mount, stated), HasSubstr(words));
+    EXPECT_THAT(extrinsics_contradiction(result.mount, stated), HasSubstr(words));
   }
-  EXPECT_THAT(mount_contradiction(turned_about_view(stated, 90.0), stated),
+  EXPECT_THAT(extrinsics_contradiction(turned_about_view(stated, 90.0), stated),
               HasSubstr("rotated by 90 deg"));
 }
 
@@ -244,7 +245,7 @@ TEST(ImportMount, ReadsWhatTheToolboxPrints) {
   const std::string text =
       "Delta = [0.0308 -0.0652 -0.0796]' +- [0.011 0.0136 0.00737]' m\n"
       "Phi = [ -0.105; -3.53; -179 ] +- [1.38; 0.615; 0.631] deg\nTotal rms error = 0.00616\n";
-  const auto mount = import_mount(text, LaserAxes::kToolbox, AngleUnit::kAsStated);
+  const auto mount = import_extrinsics(text, LaserAxes::kToolbox, AngleUnit::kAsStated);
   EXPECT_NEAR(mount.delta_m[1], -0.0652, 1e-12);
   // a point 2 m ahead of the laser: (0, 0, 2) in the toolbox' axes, (2, 0, 0) in ours
   const geometry::LaserToCamera T(mount);
@@ -252,19 +253,20 @@ TEST(ImportMount, ReadsWhatTheToolboxPrints) {
       {mount.delta_m, {-0.105 * kDeg, -3.53 * kDeg, -179 * kDeg}});
   EXPECT_LT((T({2, 0, 0}) - toolbox({0, 0, 2})).norm(), 1e-9);
   EXPECT_LT((T({0, 1, 0}) - toolbox({1, 0, 0})).norm(), 1e-9);
-  EXPECT_THROW(import_mount(text, LaserAxes::kOrchard, AngleUnit::kAsStated), std::runtime_error);
-  EXPECT_THROW(
-      import_mount("delta = [0 0 0]\nphi = [0 0 3.14]", LaserAxes::kToolbox, AngleUnit::kAsStated),
-      std::runtime_error);  // which unit?
+  EXPECT_THROW(import_extrinsics(text, LaserAxes::kOrchard, AngleUnit::kAsStated),
+               std::runtime_error);
+  EXPECT_THROW(import_extrinsics("delta = [0 0 0]\nphi = [0 0 3.14]", LaserAxes::kToolbox,
+                                 AngleUnit::kAsStated),
+               std::runtime_error);  // which unit?
   // the same as a matrix, row by row, in our axes
-  const auto by_matrix = import_mount("Delta = 0 0 0\nR = [0 -1 0; 0 0 -1; 1 0 0]",
-                                      LaserAxes::kOrchard, AngleUnit::kAsStated);
+  const auto by_matrix = import_extrinsics("Delta = 0 0 0\nR = [0 -1 0; 0 0 -1; 1 0 0]",
+                                           LaserAxes::kOrchard, AngleUnit::kAsStated);
   EXPECT_LT((geometry::LaserToCamera(by_matrix)({2, 0, 0}) - Eigen::Vector3d(0, 0, 2)).norm(),
             1e-9);
-  EXPECT_THROW(import_mount("delta = 0 0 0\nR = 1 0 0 0 1 0 0 0 2", LaserAxes::kOrchard,
-                            AngleUnit::kAsStated),
+  EXPECT_THROW(import_extrinsics("delta = 0 0 0\nR = 1 0 0 0 1 0 0 0 2", LaserAxes::kOrchard,
+                                 AngleUnit::kAsStated),
                std::runtime_error);
-  EXPECT_THROW(import_mount("delta = [0 0]\n", LaserAxes::kToolbox, AngleUnit::kRadians),
+  EXPECT_THROW(import_extrinsics("delta = [0 0]\n", LaserAxes::kToolbox, AngleUnit::kRadians),
                std::runtime_error);
 }
 

@@ -211,11 +211,11 @@ TEST(TrunkModel, PicksByNumberAreTheTrunks) {
 TEST(TrunkModel, PicksByPlaceAreTheTrunksThatStandThere) {
   const auto observations = observations_at({{4, 0.09, 0.004, 30.0}, {3, 0.17, 0.004, 30.0}}, 8, 6);
   TrunkModelOptions options;
-  options.picked_places = {{7, 8.05, 0.0}, {9, 12.0, 0.1}};
+  options.picked_trunks = {{7, 8.05, 0.0}, {9, 12.0, 0.1}};
   const TrunkModel model = estimate_trunk_model(observations, options);
   EXPECT_EQ(model.num_trunks, 2);
   EXPECT_NEAR(model.width_mean_m, 0.17, 0.004);
-  options.picked_places.push_back({11, 40.0, 0.0});
+  options.picked_trunks.push_back({11, 40.0, 0.0});
   try {
     estimate_trunk_model(observations, options);
     FAIL() << "a place where nothing stands";

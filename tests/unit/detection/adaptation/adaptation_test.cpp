@@ -284,11 +284,11 @@ TEST(Adaptation, AScanOfThePastTeachesNothing) {
 }
 
 TEST(Adaptation, UndoingLightIsItsInverse) {
-  const vision::ChannelGains gains = undoing({0.2, -0.1, 0.5});
+  const vision::ChannelGains gains = light_correction_gains({0.2, -0.1, 0.5});
   EXPECT_NEAR(gains.green, std::exp(-0.5), 1e-12);
   EXPECT_NEAR(gains.blue, std::exp(-0.7), 1e-12);
   EXPECT_NEAR(gains.red, std::exp(-0.4), 1e-12);
-  EXPECT_TRUE(undoing({}).none());
+  EXPECT_TRUE(light_correction_gains({}).none());
 }
 
 }  // namespace

@@ -89,8 +89,8 @@ TEST(Framing, WhatANearerThingHidesIsNotFramedAndWhatItTouchesIsWorthLess) {
   EXPECT_TRUE(touched[0].is_hidden);
   const vision::Image image = picture(1, column_px(4.0, 0.0));
   vision::PictureReader reader(image);
-  EXPECT_LT(worth(touched[0], reader),
-            0.5 * worth(frame_subjects({far_one}, rig(), {}, 0.0)[0], reader));
+  EXPECT_LT(quality(touched[0], reader),
+            0.5 * quality(frame_subjects({far_one}, rig(), {}, 0.0)[0], reader));
   const Subject behind{-2.0, 0.0, 0.1, 0};
   EXPECT_TRUE(frame_subjects({behind}, rig(), {}, 0.0)[0].frame.empty());
 }
@@ -105,8 +105,8 @@ TEST(Framing, FewerDetailsAreWorthLess) {
   }
   const Framing framing = frame_subjects({{3.0, 0.0, 0.1, 0}}, rig(), {}, 0.0)[0];
   vision::PictureReader of_sharp(sharp), of_soft(soft);
-  EXPECT_GT(worth(framing, of_sharp), worth(framing, of_soft));
-  EXPECT_GT(worth(framing, of_soft), 0.0);
+  EXPECT_GT(quality(framing, of_sharp), quality(framing, of_soft));
+  EXPECT_GT(quality(framing, of_soft), 0.0);
 }
 
 /// Twenty trees along the way, each seen ten times; every scan has a picture.
@@ -221,7 +221,7 @@ TEST(Album, DamagedPicturesAndLostOnesHoldNothingUp) {
 TEST(ChoosePhotographs, TheBestOfWhatStandsThereAndTreesFirst) {
   const auto photograph = [](double x_m, double is_worth, std::size_t num_bytes) {
     PlacedPhotograph it;
-    it.photograph.worth = is_worth;
+    it.photograph.quality = is_worth;
     it.photograph.jpeg.resize(num_bytes);
     it.x_m = x_m;
     return it;

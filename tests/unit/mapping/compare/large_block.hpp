@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/detection_map.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {

@@ -50,7 +50,7 @@ TEST(Merging, StatisticsAreThoseOfAllObservationsTogether) {
   for (int i = 0; i < 9; ++i) second.push_back({2.05 + dice.normal(0.03), 1.0 + dice.normal(0.02)});
   all = first;
   all.insert(all.end(), second.begin(), second.end());
-  const Landmark both = united(landmark_of(first, 0.6), landmark_of(second, 0.9));
+  const Landmark both = merged_landmark(landmark_of(first, 0.6), landmark_of(second, 0.9));
   const Landmark truth = landmark_of(all, 0.0);
   EXPECT_EQ(both.num_observations, 14);
   EXPECT_NEAR(both.se_x_m, truth.se_x_m, 1e-12);
@@ -66,7 +66,7 @@ TEST(Merging, TheBetterKnownPlaceWeighsMore) {
   a.covariance = {0.0001, 0.0, 0.09};
   b.covariance = {0.09, 0.0, 0.0001};
   b.x_m = b.y_m = 1.0;
-  const Landmark both = united(a, b);
+  const Landmark both = merged_landmark(a, b);
   EXPECT_LT(both.x_m, 0.01);
   EXPECT_GT(both.y_m, 0.99);
   EXPECT_GT(both.covariance[0], 0.0);
@@ -83,10 +83,10 @@ TEST(Merging, OneClassAgainstTheOther) {
   object.probability = 0.05;
   unseen.probability = 0.5;
   tree.num_observations = object.num_observations = unseen.num_observations = 3;
-  EXPECT_EQ(united(tree, object).label, Label::kObject);
-  EXPECT_EQ(united(tree, unseen).label, Label::kTree);
-  EXPECT_EQ(united(unseen, object).label, Label::kObject);
-  EXPECT_NEAR(united(unseen, object).probability, 0.05, 1e-12);
+  EXPECT_EQ(merged_landmark(tree, object).label, Label::kObject);
+  EXPECT_EQ(merged_landmark(tree, unseen).label, Label::kTree);
+  EXPECT_EQ(merged_landmark(unseen, object).label, Label::kObject);
+  EXPECT_NEAR(merged_landmark(unseen, object).probability, 0.05, 1e-12);
 }
 
 TEST(Merging, TwoHalvesBecomeTheWholeBlock) {
@@ -99,7 +99,7 @@ TEST(Merging, TwoHalvesBecomeTheWholeBlock) {
   const DrivenMap a = drive_through(block, left, dice, 100);
   const DrivenMap b = drive_through(block, right, dice, 50);
   MergedMap merged{a.landmarks, 500};
-  const std::vector<KeptId> ids = merge_into(merged, b.landmarks, aligned(a, b));
+  const std::vector<MergedId> ids = merge_into(merged, b.landmarks, aligned(a, b));
   std::set<int> all_trees(a.tree_of.begin(), a.tree_of.end());
   all_trees.insert(b.tree_of.begin(), b.tree_of.end());
   EXPECT_EQ(merged.landmarks.size(), all_trees.size()) << "every tree once";
@@ -163,7 +163,7 @@ TEST(NumberKeeping, IdsAndNumbersSurviveFivePercentOfChange) {
       tree_at[{b.landmarks[i].x_m, b.landmarks[i].y_m}] = b.tree_of[i];
     }
     std::int32_t next_id = 1000;
-    KeptNumbers kept = keep_ids(a.landmarks, alignment, next_id, b.landmarks);
+    IdTransfer kept = keep_ids(a.landmarks, alignment, next_id, b.landmarks);
     rows = find_rows(b.landmarks, RowsConfig{});
     keep_numbers(a.landmarks, rows, b.landmarks, kept);
     for (const Landmark& l : b.landmarks) tree_b[l.id] = tree_at.at({l.x_m, l.y_m});
@@ -252,7 +252,7 @@ TEST(NumberKeeping, NewTreesTakeThePlaceTheyStandAt) {
     row.places.push_back({positions[i], ids[i], {now[i].x_m, 0.0}});
   }
   std::vector<Row> rows{row};
-  KeptNumbers kept;
+  IdTransfer kept;
   keep_numbers(earlier, rows, now, kept);
   const std::vector<int> wanted{11, 13, 14, 15, 16, 0, 17, 18, 19};
   for (std::size_t i = 0; i < now.size(); ++i) {

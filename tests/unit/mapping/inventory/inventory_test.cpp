@@ -41,7 +41,7 @@ TEST(Inventory, CountsTreesGapsAndAreasByRow) {
   map.back().label = detection::Label::kObject;
   map.push_back(tree(8, 0, 0, 0.5));
   map.back().label = detection::Label::kUnseen;
-  const Inventory inventory = take_inventory(map);
+  const Inventory inventory = compute_inventory(map);
   ASSERT_EQ(inventory.rows.size(), 3u);
   const RowInventory &one = inventory.rows[0], &three = inventory.rows[1];
   EXPECT_EQ(one.row, 1);
@@ -68,9 +68,9 @@ TEST(Inventory, CountsTreesGapsAndAreasByRow) {
 }
 
 TEST(Inventory, NothingAndAbsurdNumbersAreBounded) {
-  EXPECT_TRUE(take_inventory({}).rows.empty());
+  EXPECT_TRUE(compute_inventory({}).rows.empty());
   EXPECT_TRUE(diameter_histogram({}).counts.empty());
-  const Inventory inventory = take_inventory(
+  const Inventory inventory = compute_inventory(
       {tree(1, 1, 1, 0.1), tree(2, 1, 2147483647, 0.1), tree(3, 1, 2147483646, 0.1)});
   EXPECT_LE(inventory.rows[0].gaps.size(), 100000u);
 }

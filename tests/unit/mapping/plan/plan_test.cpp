@@ -21,7 +21,7 @@ TEST(Plan, NamesAndDeviationsAreFound) {
     PlannedBlock b = plant_to_plan(dice, {});
     const DrivenMap map = drive_all(b, {0.8, -0.6, 0.006}, dice);
     const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
-    ASSERT_TRUE(match.is_laid()) << "seed " << seed << ": " << match.fit.reason;
+    ASSERT_TRUE(match.is_registered()) << "seed " << seed << ": " << match.fit.reason;
     const PlanScore score = score_of(b, map, b.plan, match);
     EXPECT_EQ(score.num_misnamed, 0) << "seed " << seed;
     sum.add(score);
@@ -38,7 +38,7 @@ TEST(Plan, LiesOnAMapOfAnotherFrame) {
   PlanMatchConfig config;
   config.alignment.any_place = true;
   const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), config);
-  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   EXPECT_EQ(score_of(b, map, b.plan, match).num_misnamed, 0);
   // half a decimetre is how far the drive bends its map
   const Eigen::Vector2d p = b.plan.places().front();
@@ -54,7 +54,7 @@ TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
   PlanMatchConfig config;
   config.alignment.any_place = true;
   const PlanMatch refused = match_plan(b.plan, map.landmarks, view_of(map), config);
-  EXPECT_FALSE(refused.is_laid());
+  EXPECT_FALSE(refused.is_registered());
   EXPECT_EQ(refused.fit.status, AlignmentStatus::kAmbiguous);
   ASSERT_EQ(refused.fit.placements.size(), 2u);
   int num_right = 0;
@@ -63,7 +63,8 @@ TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
     num_right += score_of(b, map, b.plan, match).num_misnamed == 0;
   }
   EXPECT_EQ(num_right, 1);
-  EXPECT_FALSE(match_plan(b.plan, map.landmarks, view_of(map), config).is_laid());  // no third
+  EXPECT_FALSE(
+      match_plan(b.plan, map.landmarks, view_of(map), config).is_registered());  // no third
 }
 
 TEST(Plan, AnotherOrchardIsRefused) {
@@ -77,7 +78,7 @@ TEST(Plan, AnotherOrchardIsRefused) {
   PlanMatchConfig config;
   config.alignment.any_place = true;
   const PlanMatch match = match_plan(other, map.landmarks, view_of(map), config);
-  EXPECT_FALSE(match.is_laid());
+  EXPECT_FALSE(match.is_registered());
   EXPECT_EQ(match.fit.status, AlignmentStatus::kNone);
 }
 
@@ -92,7 +93,7 @@ TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {
   drive.along_max_m = b.block.num_places * b.block.tree_spacing_m + 3.0;
   const DrivenMap map = drive_through(b.block, drive, dice);
   const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
-  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   EXPECT_EQ(match.counts[static_cast<std::size_t>(PlanDeviation::kMissing)], 0);
   EXPECT_GT(match.counts[static_cast<std::size_t>(PlanDeviation::kNotSeen)], 20);
 }
@@ -102,7 +103,7 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
   PlannedBlock b = plant_to_plan(dice, {});
   DrivenMap map = drive_all(b, {}, dice);
   const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
-  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   const PlanNumbers numbers = number_by_plan(b.plan, match, map.landmarks);
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const TrueTree& t = b.block.trees[static_cast<std::size_t>(map.tree_of[i])];
@@ -116,7 +117,7 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
   for (const Row& row : numbers.rows) {
     EXPECT_NE(row.places.front().landmark_id, 0);
     EXPECT_NE(row.places.back().landmark_id, 0);
-    for (const RowPlace& place : row.places) num_gaps += place.landmark_id == 0;
+    for (const RowSlot& place : row.places) num_gaps += place.landmark_id == 0;
   }
   EXPECT_GT(num_gaps, 0);
   EXPECT_LE(num_gaps, static_cast<int>(b.missing.size()));
@@ -142,7 +143,7 @@ TEST(PlanNumbers, NamesThatAreNoNumbersAreCounted) {
     landmarks.push_back(l);
   }
   const PlanMatch match = match_plan(plan, landmarks, DetectionMap(), {});
-  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   const PlanNumbers numbers = number_by_plan(plan, match, landmarks);
   EXPECT_EQ(landmarks[8].row, 2);
   EXPECT_EQ(landmarks[8].position, 3);

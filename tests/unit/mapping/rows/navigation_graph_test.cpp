@@ -49,7 +49,7 @@ TEST(NavigationGraph, AlleysRunMidwayAndHeadlandsJoinThem) {
   ASSERT_EQ(graph.edges.size(), 3u + 4u);
   for (int k = 0; k < 3; ++k) {
     const NavigationEdge& alley = graph.edges[static_cast<std::size_t>(k)];
-    EXPECT_EQ(alley.kind, WayKind::kAlley);
+    EXPECT_EQ(alley.kind, EdgeKind::kAlley);
     EXPECT_EQ(alley.row_left, k + 1);
     EXPECT_EQ(alley.row_right, k + 2);
     for (const Vector2d& point : alley.line_map) EXPECT_NEAR(point.y(), -4.0 * k - 2.0, 1e-9);
@@ -58,9 +58,9 @@ TEST(NavigationGraph, AlleysRunMidwayAndHeadlandsJoinThem) {
   }
   for (std::size_t e = 3; e < 7; ++e) {
     const NavigationEdge& headland = graph.edges[e];
-    EXPECT_EQ(headland.kind, WayKind::kHeadland);
+    EXPECT_EQ(headland.kind, EdgeKind::kHeadland);
     EXPECT_NEAR(headland.length_m, 4.0, 0.1);
-    EXPECT_GE(headland.width_m, 2.0 * kHalfWayMin_m);
+    EXPECT_GE(headland.width_m, 2.0 * kHalfCorridorMin_m);
     const double x = headland.line_map.front().x();
     EXPECT_TRUE(std::abs(x + 2.0) < 1e-9 || std::abs(x - 22.0) < 1e-9) << x;
   }
@@ -151,7 +151,7 @@ TEST(NavigationGraph, CurvedRowsAndBlocksApart) {
   const Planted apart = plant({0.0, -4.0, -18.0, -22.0}, 11);
   const NavigationGraph two = navigation_graph(apart.landmarks, apart.rows);
   EXPECT_EQ(std::count_if(two.edges.begin(), two.edges.end(),
-                          [](const NavigationEdge& e) { return e.kind == WayKind::kAlley; }),
+                          [](const NavigationEdge& e) { return e.kind == EdgeKind::kAlley; }),
             2);
   EXPECT_TRUE(navigation_graph({}, {}).edges.empty());
   EXPECT_TRUE(navigation_graph(apart.landmarks, {apart.rows[0]}).edges.empty());
@@ -163,11 +163,11 @@ TEST(NavigationGraph, AShortRowBetweenLongOnesIsGoneRound) {
   const double end_x_m = 8.0;
   Row& middle = p.rows[1];
   middle.places.erase(std::remove_if(middle.places.begin(), middle.places.end(),
-                                     [&](const RowPlace& q) { return q.p_map.x() > end_x_m; }),
+                                     [&](const RowSlot& q) { return q.p_map.x() > end_x_m; }),
                       middle.places.end());
   const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
   for (const NavigationEdge& edge : graph.edges) {
-    if (edge.kind != WayKind::kHeadland) continue;
+    if (edge.kind != EdgeKind::kHeadland) continue;
     for (const Vector2d& q : edge.line_map) {
       EXPECT_TRUE(q.x() < -0.5 || q.x() > end_x_m + 0.5) << "not through the row";
     }

@@ -169,7 +169,7 @@ TEST(Rows, NumbersStayWhenOneTreeInTwentyChanges) {
     }
     int new_id = 10000;
     for (const Row& row : find_rows(block.landmarks, config)) {
-      for (const RowPlace& place : row.places) {
+      for (const RowSlot& place : row.places) {
         if (place.landmark_id != 0 || random() % 4 != 0) continue;
         Landmark l;
         l.id = ++new_id;
@@ -219,7 +219,7 @@ TEST(Rows, GapsStandWhereTreesAreMissing) {
   ASSERT_EQ(rows.size(), 3u);
   ASSERT_EQ(rows[1].places.size(), 12u);
   EXPECT_NEAR(rows[1].spacing_m, 2.0, 1e-9);
-  for (const RowPlace& place : rows[1].places) {
+  for (const RowSlot& place : rows[1].places) {
     EXPECT_EQ(place.landmark_id == 0, place.position == 5 || place.position == 6);
     EXPECT_NEAR(place.p_map.x(), -11.0 + 2.0 * (place.position - 1), 1e-9);
     EXPECT_NEAR(place.p_map.y(), 0.0, 1e-9);
@@ -395,7 +395,7 @@ TEST(Rows, OfTwoInOnePlaceTheSurerOneIsTheTree) {
 int rows_without_clutter(const std::vector<Row>& rows) {
   return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const Row& row) {
     return std::none_of(row.places.begin(), row.places.end(),
-                        [](const RowPlace& place) { return place.landmark_id >= 5000; });
+                        [](const RowSlot& place) { return place.landmark_id >= 5000; });
   }));
 }
 

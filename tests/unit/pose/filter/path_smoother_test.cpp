@@ -38,7 +38,7 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
       AbsolutePosition position;
       position.p_map = truth_at(time_s).head<2>();
       position.covariance = 1e-2 * Eigen::Matrix2d::Identity();
-      position.by_receiver = true;
+      position.is_gnss = true;
       smoother.add(odometry.utime, position, guess);
     }
     smoother.observe();

@@ -145,11 +145,11 @@ TEST(PoseEstimator, TheFirstFixTellsTheWayThatLedToIt) {
   const auto num = static_cast<int>(std::llround(0.5 * kPi / yaw_rate_radps / 0.02));
   for (int i = 0; i <= num; ++i) estimator.add(odometry(i * period_us, 1.0, yaw_rate_radps));
   EXPECT_FALSE(estimator.estimate());
-  EXPECT_TRUE(estimator.take_past().empty());
+  EXPECT_TRUE(estimator.take_past_poses().empty());
   const double last_rad = yaw_rate_radps * 0.02 * num;
   estimator.add(
       fix(num * period_us, 2.0 * std::sin(last_rad), 2.0 - 2.0 * std::cos(last_rad), last_rad));
-  const std::vector<PoseEstimate> past = estimator.take_past();
+  const std::vector<PoseEstimate> past = estimator.take_past_poses();
   ASSERT_EQ(past.size(), static_cast<std::size_t>(num));
   for (int i = 0; i < num; ++i) {
     const PoseEstimate& pose = past[static_cast<std::size_t>(i)];
@@ -160,7 +160,7 @@ TEST(PoseEstimator, TheFirstFixTellsTheWayThatLedToIt) {
     EXPECT_NEAR(pose.yaw_rad, turned_rad, 1e-9);
   }
   EXPECT_GT(past.front().covariance[0], past.back().covariance[0]) << "the farther, the less sure";
-  EXPECT_TRUE(estimator.take_past().empty()) << "once";
+  EXPECT_TRUE(estimator.take_past_poses().empty()) << "once";
 }
 
 TEST(PoseEstimator, TheWayBackEndsAtASilence) {
@@ -169,7 +169,7 @@ TEST(PoseEstimator, TheWayBackEndsAtASilence) {
   estimator.add(odometry(100'000'000, 1.0, 0.0));
   estimator.add(odometry(100'100'000, 1.0, 0.0));
   estimator.add(fix(100'100'000, 1.0, 0.0, 0.0));
-  const std::vector<PoseEstimate> past = estimator.take_past();
+  const std::vector<PoseEstimate> past = estimator.take_past_poses();
   ASSERT_EQ(past.size(), 1u);
   EXPECT_EQ(past[0].utime, 100'000'000);
   EXPECT_NEAR(past[0].x_m, 0.9, 1e-9);

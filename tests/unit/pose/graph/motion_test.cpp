@@ -69,7 +69,7 @@ TEST(DeadReckoning, ASilenceGoesOnAtTheLastVelocityEverLessSurely) {
     last = reckoning.motion().covariance(0, 0);
   }
   EXPECT_NEAR(reckoning.motion().delta.x(), 11.0, 1e-9);
-  EXPECT_NEAR(reckoning.silence_s(), 10.0, 1e-9);
+  EXPECT_NEAR(reckoning.time_since_motion_s(), 10.0, 1e-9);
   EXPECT_GT(std::sqrt(last), 1.0);  // half a metre per second and second, independent seconds
 }
 

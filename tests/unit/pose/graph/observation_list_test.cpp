@@ -31,7 +31,7 @@ void expect_list(const ObservationList& list, int num, int first) {
 }
 
 TEST(ObservationList, ReadsTheSameWhereverItLies) {
-  ObservationMemory memory(std::make_shared<HeapMemory>());
+  SlamObservationStore memory(std::make_shared<HeapChunkAllocator>());
   std::vector<ObservationList> lists;
   for (int k = 0; k < 500; ++k) lists.push_back(list_of(k % 120, k));  // some megabytes
   for (ObservationList& list : lists) list.keep(memory);
@@ -39,16 +39,16 @@ TEST(ObservationList, ReadsTheSameWhereverItLies) {
 }
 
 /// Chunks that are not the heap's.
-class MappedMemory : public ChunkMemory {
+class MappedMemory : public ChunkAllocator {
  public:
-  void* take() override {
+  void* allocate() override {
     return ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   }
-  void give_back(void* chunk) noexcept override { ::munmap(chunk, kChunkBytes); }
+  void release(void* chunk) noexcept override { ::munmap(chunk, kChunkBytes); }
 };
 
 TEST(ObservationList, WhatLiesInMemoryHasLeftTheHeap) {
-  ObservationMemory memory(std::make_shared<MappedMemory>());
+  SlamObservationStore memory(std::make_shared<MappedMemory>());
   std::vector<ObservationList> lists;
   for (int k = 0; k < 500; ++k) lists.push_back(list_of(100, k));
   const std::size_t before = ::mallinfo2().uordblks;
@@ -59,7 +59,7 @@ TEST(ObservationList, WhatLiesInMemoryHasLeftTheHeap) {
 }
 
 TEST(ObservationList, AChangeLeavesCopiesAsTheyWere) {
-  ObservationMemory memory(std::make_shared<HeapMemory>());
+  SlamObservationStore memory(std::make_shared<HeapChunkAllocator>());
   ObservationList list = list_of(20, 7);
   list.keep(memory);
   const ObservationList before = list;
@@ -73,7 +73,7 @@ TEST(ObservationList, AChangeLeavesCopiesAsTheyWere) {
 }
 
 TEST(ObservationList, WhatFitsNoChunkStaysOnTheHeap) {
-  ObservationMemory memory(std::make_shared<HeapMemory>());
+  SlamObservationStore memory(std::make_shared<HeapChunkAllocator>());
   ObservationList list = list_of(40'000, 0);
   list.keep(memory);
   expect_list(list, 40'000, 0);

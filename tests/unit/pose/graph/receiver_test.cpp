@@ -46,7 +46,7 @@ SlamGraph drive(const Fixes& fixes, std::uint64_t seed, double duration_s = 120.
       position.utime = static_cast<std::int64_t>(1e6 * time_s);
       position.T_keyframe_then = {0.2 * i * kSpeed_mps, 0.0, 0.0};
       position.covariance = kClaimed_m * kClaimed_m * Eigen::Matrix2d::Identity();
-      position.by_receiver = true;
+      position.is_gnss = true;
       const double east_m = random.normal(), north_m = random.normal();
       position.p_map = Eigen::Vector2d(kSpeed_mps * time_s, 0.0) + lasting_m +
                        fixes.white_m * Eigen::Vector2d(east_m, north_m);
@@ -64,14 +64,14 @@ SlamGraph drive(const Fixes& fixes, std::uint64_t seed, double duration_s = 120.
 
 TEST(Receiver, WhatItsStepsShowIsNoiseAndTheRestLasts) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const ReceiverModel white = judge_receiver(drive({kClaimed_m, 0.0}, seed));
-    EXPECT_EQ(white.lasting, 0.0);
+    const ReceiverModel white = estimate_receiver_model(drive({kClaimed_m, 0.0}, seed));
+    EXPECT_EQ(white.correlated, 0.0);
     EXPECT_EQ(white.noise, 1.0);
-    const ReceiverModel lasting = judge_receiver(drive({0.3, kClaimed_m}, seed));
-    EXPECT_GT(lasting.lasting, 0.9);
-    EXPECT_NEAR(lasting.noise + lasting.lasting, 1.0, 1e-12);
+    const ReceiverModel correlated = estimate_receiver_model(drive({0.3, kClaimed_m}, seed));
+    EXPECT_GT(correlated.correlated, 0.9);
+    EXPECT_NEAR(correlated.noise + correlated.correlated, 1.0, 1e-12);
     // three times what is claimed
-    const ReceiverModel claims = judge_receiver(drive({3.0 * kClaimed_m, 0.0}, seed));
+    const ReceiverModel claims = estimate_receiver_model(drive({3.0 * kClaimed_m, 0.0}, seed));
     EXPECT_NEAR(claims.noise, 9.0, 2.5);
   }
 }
@@ -102,7 +102,7 @@ TEST(Receiver, ReflectionsAreLeftOutAndSaid) {
   for (const Keyframe& k : graph.keyframes) {
     EXPECT_LT(std::abs(k.T_map_base.y()), 4.0);
   }
-  EXPECT_EQ(fixes_left_out(drive({0.3, kClaimed_m}, 5)).num_fixes, 600);
+  EXPECT_EQ(rejected_fixes(drive({0.3, kClaimed_m}, 5)).num_fixes, 600);
 }
 
 TEST(Receiver, APathIsLaidOnPositionsOfWhichSomeAreReflected) {

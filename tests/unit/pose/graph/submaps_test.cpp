@@ -15,8 +15,8 @@ using geometry::between;
 using geometry::compose;
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
+using geometry::inverse_transform;
 using geometry::transform;
-using geometry::transform_back;
 
 namespace {
 
@@ -51,7 +51,7 @@ SlamGraph world() {
     }
     graph.keyframes.push_back(keyframe);
     for (int l = 0; l < 40; ++l) {
-      const Eigen::Vector2d p = transform_back(keyframe.T_map_base, tree(l));
+      const Eigen::Vector2d p = inverse_transform(keyframe.T_map_base, tree(l));
       if (p.norm() < 6.0) graph.add_observation(k, l, p, 4e-4 * Eigen::Matrix2d::Identity(), 0.005);
     }
   }

@@ -10,7 +10,7 @@
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::transform_back;
+using geometry::inverse_transform;
 
 namespace {
 
@@ -26,25 +26,26 @@ std::vector<Eigen::Vector2d> trees() {
   return trees;
 }
 
-std::vector<Sighting> observe(const std::vector<Eigen::Vector2d>& trees, const Eigen::Vector3d& T,
-                              double sd_m, simulation::Random& random) {
-  std::vector<Sighting> sightings;
+std::vector<ScanObservation> observe(const std::vector<Eigen::Vector2d>& trees,
+                                     const Eigen::Vector3d& T, double sd_m,
+                                     simulation::Random& random) {
+  std::vector<ScanObservation> observations;
   for (const Eigen::Vector2d& tree : trees) {
-    Sighting s;
-    s.p_base = transform_back(T, tree);
+    ScanObservation s;
+    s.p_base = inverse_transform(T, tree);
     if (s.p_base.norm() > 5.6 || s.p_base.x() < -1.5) continue;
     s.p_base += Eigen::Vector2d(random.normal(0.0, sd_m), random.normal(0.0, sd_m));
     s.covariance = (sd_m * sd_m + 1e-6) * Eigen::Matrix2d::Identity();
     s.width_m = 0.12;
     s.width_sd_m = 0.02;
-    sightings.push_back(s);
+    observations.push_back(s);
   }
-  return sightings;
+  return observations;
 }
 
 struct Drive {
   LocalTrunkMap map{PriorMapConfig()};
-  SightField field{4.0};
+  FieldOfView field{4.0};
   Eigen::Vector3d T = Eigen::Vector3d(1.0, 0.1, 0.0);  ///< truth
   simulation::Random random{7};
 
@@ -60,9 +61,9 @@ struct Drive {
     }
   }
   void scan() {
-    const auto sightings = observe(trees(), T, 0.02, random);
-    field.learn(sightings);
-    map.observe(sightings, field);
+    const auto observations = observe(trees(), T, 0.02, random);
+    field.learn(observations);
+    map.observe(observations, field);
   }
 };
 
@@ -70,14 +71,14 @@ TEST(LocalTrunkMap, TrunksStandWhereTheyAreThoughTheWheelsErr) {
   Drive run;
   run.scan();
   run.drive(80, 1.03);
-  run.map.anchor();
+  run.map.reset_origin();
   const auto found = run.map.trunks();
   EXPECT_GE(found.size(), 6u);
   double sum2 = 0.0;
   for (const LocalTrunkMap::Trunk& trunk : found) {
     double nearest_m = 1e9;
     for (const Eigen::Vector2d& tree : trees()) {
-      nearest_m = std::min(nearest_m, (transform_back(run.T, tree) - trunk.p_local).norm());
+      nearest_m = std::min(nearest_m, (inverse_transform(run.T, tree) - trunk.p_local).norm());
     }
     sum2 += nearest_m * nearest_m;
     EXPECT_NEAR(trunk.width_m, 0.12, 1e-9);
@@ -91,12 +92,12 @@ TEST(LocalTrunkMap, AnchoringMovesTheFrameAndNothingElse) {
   run.drive(40, 1.0);
   const auto before = run.map.trunks();
   const Eigen::Vector3d T = run.map.T_local_base();
-  run.map.anchor();
+  run.map.reset_origin();
   const auto after = run.map.trunks();
   ASSERT_EQ(before.size(), after.size());
   ASSERT_FALSE(before.empty());
   for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_LT((transform_back(T, before[i].p_local) - after[i].p_local).norm(), 1e-9);
+    EXPECT_LT((inverse_transform(T, before[i].p_local) - after[i].p_local).norm(), 1e-9);
   }
   EXPECT_EQ(run.map.T_local_base().norm(), 0.0);
   EXPECT_EQ(run.map.pose_covariance().norm(), 0.0);
@@ -116,12 +117,12 @@ TEST(LocalTrunkMap, ForgetsWhatLiesBehindTheWindow) {
 TEST(LocalTrunkMap, BreaksWhenTheRobotWasMoved) {
   Drive run;
   run.drive(60, 1.0);
-  EXPECT_FALSE(run.map.broken());
+  EXPECT_FALSE(run.map.is_inconsistent());
   run.T = compose(run.T, {1.2, 0.7, 0.4});
   for (int i = 0; i < 10; ++i) run.scan();
-  EXPECT_TRUE(run.map.broken());
+  EXPECT_TRUE(run.map.is_inconsistent());
   run.map.clear();
-  EXPECT_FALSE(run.map.broken());
+  EXPECT_FALSE(run.map.is_inconsistent());
   EXPECT_TRUE(run.map.trunks().empty());
 }
 
@@ -129,29 +130,29 @@ TEST(LocalTrunkMap, OneScanOfAnotherPlaceSurprises) {
   Drive run;
   for (int i = 0; i < 120; ++i) {
     run.drive(1, 1.0);
-    EXPECT_FALSE(run.map.surprised()) << "after scan " << i;
+    EXPECT_FALSE(run.map.last_scan_contradicts()) << "after scan " << i;
   }
   Drive moved = run;
   moved.T = compose(moved.T, {0.4, 0.3, 0.0});
   moved.scan();
-  EXPECT_TRUE(moved.map.surprised());
+  EXPECT_TRUE(moved.map.last_scan_contradicts());
   // by a whole spacing of the trees: their jitter tells
   moved = run;
   moved.T = compose(moved.T, {-5.0, 0.0, 0.0});
   moved.scan();
-  EXPECT_TRUE(moved.map.surprised());
+  EXPECT_TRUE(moved.map.last_scan_contradicts());
 }
 
 TEST(LocalTrunkMap, WhatIsSeenOnceIsNoTrunk) {
   Drive run;
   run.drive(30, 1.0);
   const std::size_t before = run.map.trunks().size();
-  Sighting passer;
+  ScanObservation passer;
   passer.p_base = {2.0, 0.0};
   passer.covariance = 1e-4 * Eigen::Matrix2d::Identity();
-  auto sightings = observe(trees(), run.T, 0.02, run.random);
-  sightings.push_back(passer);
-  run.map.observe(sightings, run.field);
+  auto observations = observe(trees(), run.T, 0.02, run.random);
+  observations.push_back(passer);
+  run.map.observe(observations, run.field);
   EXPECT_EQ(run.map.trunks().size(), before);
 }
 

@@ -283,7 +283,7 @@ detection::Detections trunks_seen(const CastWorld& world, std::int64_t utime,
   detection::Detections seen;
   seen.utime = utime;
   for (const CastWorld::Circle& trunk : world.circles) {
-    const Eigen::Vector2d p_base = geometry::transform_back(T_map_base, trunk.centre);
+    const Eigen::Vector2d p_base = geometry::inverse_transform(T_map_base, trunk.centre);
     if (p_base.norm() > 6.0) continue;
     detection::Detection d;
     d.utime = utime;

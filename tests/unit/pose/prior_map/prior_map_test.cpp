@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "pose/prior_map/expected_view.hpp"
-#include "pose/prior_map/watch.hpp"
+#include "pose/prior_map/scan_observations.hpp"
+#include "pose/prior_map/tree_detection_monitor.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 
 namespace orchard::pose {
@@ -55,7 +55,7 @@ TEST(WithoutDoubles, ATreeMappedFromBothSidesIsOneAndNeighboursStayTwo) {
                                              {{4.0, 2.0}, 0.12, 5.0},
                                              {{1.0, 2.3}, 0.13, 60.0},
                                              {{4.6, 2.0}, 0.2, 5.0}};
-  const auto merged = without_doubles(landmarks);
+  const auto merged = without_duplicates(landmarks);
   ASSERT_EQ(merged.size(), 3u);
   EXPECT_NEAR(merged[0].p_map.y(), 2.2, 1e-12);  // twice as often seen there
   EXPECT_NEAR(merged[0].width_m, 0.12, 1e-12);
@@ -105,15 +105,15 @@ TEST(PriorMap, WorksFarFromTheOrigin) {
   EXPECT_EQ(num, 1);
 }
 
-Sighting at(double x_m, double y_m, double width_m) {
-  Sighting s;
+ScanObservation at(double x_m, double y_m, double width_m) {
+  ScanObservation s;
   s.p_base = {x_m, y_m};
   s.width_m = width_m;
   return s;
 }
 
-TEST(SightField, LearnsWhereTheScannerObservationsAndHowFar) {
-  SightField field(4.0);
+TEST(FieldOfView, LearnsWhereTheScannerObservationsAndHowFar) {
+  FieldOfView field(4.0);
   EXPECT_FALSE(field.covers({2.0, 0.0}));
   for (int i = 0; i < 20; ++i) field.learn({at(3.0, 0.1, 0.1)});
   EXPECT_TRUE(field.covers({2.0, 0.05}));
@@ -138,18 +138,18 @@ TEST(SightingsAtScan, AreMovedToTheScansTimeAndWhatIsNoNumberIsLeftOut) {
   trunk.centre_x_m = 3.0;
   trunk.covariance[2] = -1.0;
   seen.trunks.push_back(trunk);
-  const auto sightings = sightings_at_scan(seen, 2.0, 0.0, {});
-  ASSERT_EQ(sightings.size(), 1u);
+  const auto observations = scan_observations(seen, 2.0, 0.0, {});
+  ASSERT_EQ(observations.size(), 1u);
   // 0.1 s earlier the robot was 0.2 m further back
-  EXPECT_NEAR(sightings[0].p_base.x(), 3.2, 1e-9);
-  EXPECT_NEAR(sightings[0].p_base.y(), 1.0, 1e-9);
+  EXPECT_NEAR(observations[0].p_base.x(), 3.2, 1e-9);
+  EXPECT_NEAR(observations[0].p_base.y(), 1.0, 1e-9);
 }
 
-TEST(TreeWatch, CountsTreesNotSightings) {
-  TreeWatch watch;
+TEST(TreeDetectionMonitor, CountsTreesNotSightings) {
+  TreeDetectionMonitor watch;
   for (int scan = 0; scan < 10; ++scan) watch.add({{5, false}, {9, scan % 10 != 0}, {7, true}});
   EXPECT_EQ(watch.count().num_trees, 3);
-  EXPECT_EQ(watch.count().num_there, 2);
+  EXPECT_EQ(watch.count().num_detected, 2);
   for (int scan = 0; scan < 9; ++scan) watch.add({});
   EXPECT_EQ(watch.count().num_trees, 0);
 }

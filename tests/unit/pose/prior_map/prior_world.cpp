@@ -11,7 +11,7 @@
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::transform_back;
+using geometry::inverse_transform;
 
 namespace {
 
@@ -34,12 +34,12 @@ detection::Detections observe(const PriorWorld& world, const Eigen::Vector3d& T_
   std::vector<Shape> shapes;
   const auto consider = [&](const Eigen::Vector2d& p_map, double width_m) {
     // the beam reaches it when the sweep is so far round
-    Eigen::Vector2d p_base = transform_back(T_map_base, p_map);
+    Eigen::Vector2d p_base = inverse_transform(T_map_base, p_map);
     const double early_rad = std::atan2(p_base.y(), p_base.x());
     const double dt_s = kSweepS * (early_rad / (2.0 * options.sight_half_angle_rad) + 0.5);
     const Eigen::Vector3d T_then =
         compose(T_map_base, {speed_mps * dt_s, 0.0, yaw_rate_radps * dt_s});
-    p_base = transform_back(T_then, p_map);
+    p_base = inverse_transform(T_then, p_map);
     const double range_m = p_base.norm();
     const double bearing_rad = std::atan2(p_base.y(), p_base.x());
     if (range_m > options.sight_range_m || std::abs(bearing_rad) > options.sight_half_angle_rad) {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 namespace orchard::pose {
+using geometry::inverse_transform;
 using geometry::transform;
-using geometry::transform_back;
 
 namespace {
 
@@ -26,7 +26,7 @@ struct Rows {
         c.width_m = 0.12;
         c.width_sd_m = 0.01;
         candidates.push_back(c);
-        const Eigen::Vector2d p_base = transform_back(T_map_base, c.p_map);
+        const Eigen::Vector2d p_base = inverse_transform(T_map_base, c.p_map);
         if (p_base.norm() < 5.6) points.push_back(point(p_base));
       }
     }

@@ -16,7 +16,7 @@
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::transform_back;
+using geometry::inverse_transform;
 
 /// An orchard of points that a robot passes, and what its sensors say: the truth that the tests of
 /// SLAM know. Independent of the code under test but for its message structs.
@@ -155,7 +155,7 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
         seen.trunks.push_back(trunk);
       };
       for (const SlamWorld::Tree& tree : world.trees) {
-        const Eigen::Vector2d p_base = transform_back(T, tree.p_map);
+        const Eigen::Vector2d p_base = inverse_transform(T, tree.p_map);
         if (p_base.norm() > world.sight_range_m ||
             std::abs(std::atan2(p_base.y(), p_base.x())) > world.sight_half_angle_rad) {
           continue;
@@ -186,7 +186,7 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
     }
     // steer towards a point ahead on the leg
     const Eigen::Vector2d aim = from + leg / length_m * std::min(length_m, along_m + 1.5);
-    const Eigen::Vector2d ahead = transform_back(T, aim);
+    const Eigen::Vector2d ahead = inverse_transform(T, aim);
     const double wanted_radps = 1.5 * std::atan2(ahead.y(), ahead.x());
     // the yaw rate changes evenly over the step, from what was told to what will be told
     const double next_radps = std::max(-0.8, std::min(0.8, wanted_radps));

@@ -98,7 +98,7 @@ Drive drive(const SlamWorld& world, std::uint64_t seed, const SlamConfig& config
   EXPECT_TRUE(trajectory);
   if (trajectory) d.trajectory = *trajectory;
   for (const SlamWorld::Tree& tree : world.trees) {
-    d.truth.push_back(transform_back(*start, tree.p_map));
+    d.truth.push_back(inverse_transform(*start, tree.p_map));
   }
   for (const SlamLandmark& l : slam.graph().landmarks) {
     if (l.confirmed && l.keyframes.size() >= 5) d.landmarks.push_back(l.p_map);

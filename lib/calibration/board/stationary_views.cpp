@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/board/stationary_views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "calibration/extrinsics/mean_scan.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+constexpr std::size_t kMaxPairs = 10;
+
+bool same_corners(const BoardView& a, const BoardView& b) {
+  if (a.corners_m.size() != b.corners_m.size()) return false;
+  for (std::size_t i = 0; i < a.corners_m.size(); ++i) {
+    if (a.corners_m[i].x_m != b.corners_m[i].x_m || a.corners_m[i].y_m != b.corners_m[i].y_m) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double largest_shift_px(const BoardView& a, const BoardView& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.corners_px.size(); ++i) {
+    largest = std::max(largest, std::hypot(a.corners_px[i].x_px - b.corners_px[i].x_px,
+                                           a.corners_px[i].y_px - b.corners_px[i].y_px));
+  }
+  return largest;
+}
+
+bool same_shape(const laser::Scan& a, const laser::Scan& b) {
+  return a.ranges_m.size() == b.ranges_m.size() && a.bearing_min_rad == b.bearing_min_rad &&
+         a.bearing_step_rad == b.bearing_step_rad;
+}
+
+StationaryView mean_of(const std::vector<BoardPair>& pairs, std::size_t first, std::size_t last) {
+  StationaryView view;
+  view.board = pairs[first].board;
+  view.num_pairs = static_cast<int>(last - first);
+  std::vector<laser::Scan> scans;
+  for (auto& corner : view.board.corners_px) corner = {};
+  for (std::size_t i = first; i < last; ++i) {
+    scans.push_back(pairs[i].scan);
+    for (std::size_t k = 0; k < view.board.corners_px.size(); ++k) {
+      view.board.corners_px[k].x_px += pairs[i].board.corners_px[k].x_px / view.num_pairs;
+      view.board.corners_px[k].y_px += pairs[i].board.corners_px[k].y_px / view.num_pairs;
+    }
+  }
+  view.scan = mean_scan(scans);
+  return view;
+}
+
+/// Describes position and size of a board in the image by its first, last and middle corners.
+std::vector<double> signature(const BoardView& board) {
+  std::vector<double> numbers;
+  const std::size_t n = board.corners_px.size();
+  for (const std::size_t i : {std::size_t{0}, n / 3, n / 2, 2 * n / 3, n - 1}) {
+    numbers.push_back(board.corners_px[i].x_px);
+    numbers.push_back(board.corners_px[i].y_px);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<StationaryView> stationary_views(const std::vector<BoardPair>& pairs,
+                                             double shift_max_px) {
+  std::vector<StationaryView> views;
+  for (std::size_t first = 0; first < pairs.size();) {
+    std::size_t last = first + 1;
+    while (last < pairs.size() && last - first < kMaxPairs &&
+           same_corners(pairs[first].board, pairs[last].board) &&
+           same_shape(pairs[first].scan, pairs[last].scan) &&
+           largest_shift_px(pairs[first].board, pairs[last].board) <= shift_max_px &&
+           largest_shift_px(pairs[last - 1].board, pairs[last].board) <= shift_max_px) {
+      ++last;
+    }
+    if (last - first >= 2) views.push_back(mean_of(pairs, first, last));
+    first = last;
+  }
+  return views;
+}
+
+std::vector<StationaryView> single_views(const std::vector<BoardPair>& pairs) {
+  std::vector<StationaryView> views;
+  for (std::size_t i = 0; i < pairs.size(); ++i) views.push_back(mean_of(pairs, i, i + 1));
+  return views;
+}
+
+std::vector<StationaryView> spread_subset(const std::vector<StationaryView>& views, int count) {
+  if (static_cast<int>(views.size()) <= count || count < 1) return views;
+  std::vector<std::vector<double>> places;
+  for (const StationaryView& view : views) places.push_back(signature(view.board));
+  std::vector<double> nearest(views.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> chosen{0};
+  while (static_cast<int>(chosen.size()) < count) {
+    std::size_t farthest = 0;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      double distance = 0.0;
+      for (std::size_t k = 0; k < places[i].size(); ++k) {
+        const double d = places[i][k] - places[chosen.back()][k];
+        distance += d * d;
+      }
+      nearest[i] = std::min(nearest[i], distance);
+      if (nearest[i] > nearest[farthest]) farthest = i;
+    }
+    chosen.push_back(farthest);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<StationaryView> subset;
+  for (const std::size_t i : chosen) subset.push_back(views[i]);
+  return subset;
+}
+
+}  // namespace orchard::calibration

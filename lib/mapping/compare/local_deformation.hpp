@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "mapping/compare/map_alignment.hpp"
+
+namespace orchard::mapping {
+
+/// Points of b in the frame of a, after removal of the local deformation between the maps, which is
+/// the median residual of the neighbouring pairs.
+std::vector<Eigen::Vector2d> without_local_deformation(const IndexedPoints& a,
+                                                       const IndexedPoints& b,
+                                                       const MapAlignment& alignment);
+
+}  // namespace orchard::mapping

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/existence/ground_occupancy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Width of a queried position [m]: two or more beams cross it.
+constexpr double kSeenPlace_m = 0.2;
+/// Positions this close to the path of base were driven over [m]: less than half the width of any
+/// vehicle.
+constexpr double kDriven_m = 0.25;
+/// Number of votes that decide.
+constexpr int kVotes = 8;
+constexpr int kReturnWeight = 3;
+/// Scans that moved less than this from the last stored one, and turned less, are skipped.
+constexpr double kMoved_m = 0.1;
+constexpr double kTurned_rad = 0.1;
+constexpr std::size_t kUnpackedMax = 512;
+
+}  // namespace
+
+void GroundOccupancy::add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base) {
+  const Eigen::Vector3d pose(T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad);
+  if (!scans_.empty()) {
+    const Eigen::Vector3d& last = scans_.back().x_y_yaw;
+    if ((pose - last).head<2>().norm() < kMoved_m &&
+        std::abs(geometry::wrap_angle_rad(pose.z() - last.z())) < kTurned_rad) {
+      return;
+    }
+  }
+  grid_.insert(static_cast<std::int32_t>(scans_.size()), pose.x(), pose.y());
+  scans_.push_back({scan, pose});
+}
+
+const FreeSpace* GroundOccupancy::free_space(std::int32_t number) {
+  const auto known = unpacked_.find(number);
+  if (known != unpacked_.end()) return known->second.get();
+  if (unpacked_.size() >= kUnpackedMax) unpacked_.clear();
+  return unpacked_.emplace(number, free_space_of_(number)).first->second.get();
+}
+
+bool GroundOccupancy::Votes::is_passable() const {
+  return num_passes >= kReturnWeight * num_returns;
+}
+
+/// Stored scans within reach of the position: squared distance and index, nearest first.
+std::vector<std::pair<double, std::int32_t>> GroundOccupancy::scans_near(
+    const Eigen::Vector2d& p_map) const {
+  std::vector<std::pair<double, std::int32_t>> near;
+  grid_.near(p_map.x(), p_map.y(), kBeamReach_m, [&](std::int32_t i) {
+    const double square =
+        (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
+    if (square <= kBeamReach_m * kBeamReach_m) near.emplace_back(square, i);
+  });
+  std::sort(near.begin(), near.end());
+  return near;
+}
+
+void GroundOccupancy::visit_views(
+    const Eigen::Vector2d& p_map,
+    const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit) {
+  for (const auto& [square, i] : scans_near(p_map)) {
+    const std::int32_t number = scans_[static_cast<std::size_t>(i)].number;
+    const FreeSpace* beams = free_space(number);
+    if (beams != nullptr && !visit(number, *beams)) return;
+  }
+}
+
+GroundOccupancy::Votes GroundOccupancy::votes_at(const Eigen::Vector2d& p_map) {
+  const std::vector<std::pair<double, std::int32_t>> near = scans_near(p_map);
+  Votes votes;
+  votes.is_driven = !near.empty() && near.front().first <= kDriven_m * kDriven_m;
+  if (votes.is_driven) return votes;
+  for (const auto& [square, i] : near) {
+    const Scan& scan = scans_[static_cast<std::size_t>(i)];
+    const FreeSpace* beams = free_space(scan.number);
+    if (beams == nullptr) continue;
+    const auto answer =
+        beams->at(geometry::inverse_transform(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
+    votes.num_passes += answer.evidence == FreeSpaceEvidence::kPassesThrough;
+    votes.num_returns += answer.evidence == FreeSpaceEvidence::kReturns;
+    if (votes.num_passes + votes.num_returns >= kVotes) break;
+  }
+  return votes;
+}
+
+bool GroundOccupancy::is_free(const Eigen::Vector2d& p_map) {
+  const Votes votes = votes_at(p_map);
+  return votes.is_driven || (votes.num_passes > 0 && votes.is_passable());
+}
+
+bool GroundOccupancy::is_blocked(const Eigen::Vector2d& p_map) {
+  const Votes votes = votes_at(p_map);
+  return !votes.is_driven && votes.num_returns > 0 && !votes.is_passable();
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "geometry/point_grid.hpp"
+#include "mapping/existence/free_space.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::mapping {
+
+/// Free and blocked ground, from the scans of a drive and the robot's path. Used for the navigation
+/// graph.
+///
+/// The nearest scans with a view of a position vote. A returned beam counts three times a passing
+/// one, so that a sparse hedge is not free.
+class GroundOccupancy {
+ public:
+  /// Returns the free-space evidence of a scan by its number; null if there is none.
+  using FreeSpaceOf = std::function<std::shared_ptr<const FreeSpace>(std::int32_t scan)>;
+
+  explicit GroundOccupancy(FreeSpaceOf free_space_of) : free_space_of_(std::move(free_space_of)) {}
+
+  /// Adds a scan. Skipped if the robot has hardly moved since the last one.
+  void add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base);
+
+  /// Whether a position in map, 0.2 m wide, was observed free or was driven over.
+  bool is_free(const Eigen::Vector2d& p_map);
+
+  /// Whether scans hit something at a position too often for it to be free.
+  bool is_blocked(const Eigen::Vector2d& p_map);
+
+  /// Calls visit(scan, beams) for each scan within range of a position, nearest first, until it
+  /// returns false.
+  void visit_views(const Eigen::Vector2d& p_map,
+                   const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit);
+
+ private:
+  struct Votes {
+    int num_passes = 0, num_returns = 0;
+    bool is_driven = false;
+    bool is_passable() const;
+  };
+  Votes votes_at(const Eigen::Vector2d& p_map);
+  std::vector<std::pair<double, std::int32_t>> scans_near(const Eigen::Vector2d& p_map) const;
+
+  struct Scan {
+    std::int32_t number = 0;
+    Eigen::Vector3d x_y_yaw{0, 0, 0};  ///< T_map_base
+  };
+  const FreeSpace* free_space(std::int32_t number);
+
+  FreeSpaceOf free_space_of_;
+  std::vector<Scan> scans_;
+  geometry::PointGrid grid_{8.0};
+  std::unordered_map<std::int32_t, std::shared_ptr<const FreeSpace>> unpacked_;  ///< cache
+};
+
+}  // namespace orchard::mapping

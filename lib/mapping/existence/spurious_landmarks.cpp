@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/existence/spurious_landmarks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "geometry/pose2.hpp"
+#include "mapping/candidate.hpp"
+#include "mapping/existence/existence_odds.hpp"
+#include "mapping/existence/flicker.hpp"
+#include "mapping/existence/walkers.hpp"
+#include "mapping/extent/extent.hpp"
+#include "mapping/landmark_record.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Landmarks with this many observations are not strays.
+constexpr int kStrayObservationsMax = 30;
+/// A landmark that overlaps one with ten times as many observations is a wrong view of it: half
+/// occluded, or two objects seen as one.
+constexpr double kStrayFraction = 0.1;
+/// A bush hides its stem from all but about one of four sides.
+constexpr double kStemFraction = 0.25;
+/// Wider landmarks are not trunks or posts [m]; others may stand within their extent.
+constexpr double kCompactMax_m = 1.5;
+
+/// 1-sigma distance of a landmark from its expected position in a scan of this pose [m].
+double view_sd_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
+  return std::hypot(pose_induced_sd_m(pose, r.association_position()),
+                    std::sqrt(std::max(0.0f, r.scatter_m2)));
+}
+
+/// Validates the pose of each scan: it must find more of the mapped landmarks around it than it
+/// misses.
+class TrustedScans {
+ public:
+  explicit TrustedScans(const MapState& map) : map_(map) {}
+
+  bool holds(std::int32_t scan, const FreeSpace& beams) {
+    const auto [at, is_new] = is_trusted_.try_emplace(scan, false);
+    if (is_new) at->second = finds_more_than_it_misses(map_.observations.pose(scan), beams);
+    return at->second;
+  }
+
+ private:
+  bool finds_more_than_it_misses(const pose::PoseEstimate& pose, const FreeSpace& beams) const {
+    const geometry::Pose2 T_map_base{pose.x_m, pose.y_m, pose.yaw_rad};
+    int balance = 0;
+    const auto weigh = [&](std::int32_t, const LandmarkRecord& r) {
+      const Eigen::Vector2d p_base =
+          geometry::inverse_transform(T_map_base, r.association_position());
+      const FreeSpaceAnswer answer = beams.at(p_base, r.width_m, view_sd_m(pose, r));
+      if (answer.evidence == FreeSpaceEvidence::kReturns) balance += pose_weight(r.num_all);
+      if (answer.evidence == FreeSpaceEvidence::kPassesThrough) balance -= pose_weight(r.num_all);
+    };
+    map_.landmarks.near({pose.x_m, pose.y_m}, kBeamReach_m, weigh);
+    return balance >= 0;
+  }
+
+  const MapState& map_;
+  std::map<std::int32_t, bool> is_trusted_;
+};
+
+/// Log odds of a position from the scans before an object came (in order of time) or after it left
+/// (in reverse order). The time of the change is unknown: takes the minimum over all prefixes and
+/// adds log(1 + number of scans) for testing that many times.
+double of_absence(const std::vector<double>& log_odds) {
+  double sum = 0.0, least = 0.0;
+  for (const double odds : log_odds) least = std::min(least, sum += odds);
+  return std::min(0.0, least + std::log(1.0 + static_cast<double>(log_odds.size())));
+}
+
+Eigen::Vector2d base_position(const MapState& map, std::int32_t scan,
+                              const Eigen::Vector2d& p_map) {
+  const pose::PoseEstimate& pose = map.observations.pose(scan);
+  return geometry::inverse_transform(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
+}
+
+/// Log odds that a landmark exists, from all scans with a view of its position: the lower of those
+/// against stray observations of nothing and those against an object that came and went. Scans
+/// between its first and last observation are no evidence against the latter, nor are scans from
+/// farther away than it was ever observed: how far a dark or thin object is detected is known only
+/// from its own observations.
+double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedScans& trusted,
+                         GroundOccupancy& ground) {
+  const Eigen::Vector2d p_map = r.association_position();
+  std::vector<std::int32_t> seen_in;
+  double seen_range_max_m = 0.0;
+  for (const std::int32_t k :
+       map.observations.newest_of(r.last_observation, kStrayObservationsMax)) {
+    const std::int32_t scan = map.observations[k].scan;
+    seen_in.push_back(scan);
+    seen_range_max_m = std::max(seen_range_max_m, base_position(map, scan, p_map).norm());
+  }
+  std::sort(seen_in.begin(), seen_in.end());
+  int num_seen = 0;
+  double sum = 0.0;
+  std::map<std::int32_t, double> in_range;
+  ground.visit_views(p_map, [&](std::int32_t scan, const FreeSpace& beams) {
+    if (std::binary_search(seen_in.begin(), seen_in.end(), scan)) {
+      ++num_seen;
+      return true;
+    }
+    const Eigen::Vector2d p_base = base_position(map, scan, p_map);
+    if (p_base.norm() > seen_range_max_m || !trusted.holds(scan, beams)) return true;
+    in_range[scan] = log_odds_of(
+        beams.at(p_base, r.width_m, view_sd_m(map.observations.pose(scan), r)), BeamWeight::kFull);
+    sum += in_range[scan];
+    return true;
+  });
+  std::vector<double> before, after;
+  for (const auto& [scan, odds] : in_range) {
+    if (odds == 0.0) continue;
+    if (scan < seen_in.front()) before.push_back(odds);
+    if (scan > seen_in.back()) after.push_back(odds);
+  }
+  std::reverse(after.begin(), after.end());
+  // GroundOccupancy skips scans from the same place, so the first observation may be missing: count
+  // one at least.
+  return std::min(sum + std::max(1, num_seen) * log_odds_of_return(),
+                  of_absence(before) + of_absence(after) + log_odds_of_return());
+}
+
+double place_sd_m(const LandmarkRecord& r) {
+  return std::sqrt(std::max(0.0f, r.scatter_m2) + 1.0 / std::max(r.association_information, 1e-6f));
+}
+
+/// Whether a landmark overlaps, beyond its position uncertainty, one with many observations. Two
+/// trunks or posts cannot overlap; a tree may stand in a bush.
+bool is_within_another(const MapState& map, std::int32_t index) {
+  const LandmarkRecord& r = map.landmarks[index];
+  if (r.is_clump) return false;
+  const bool may_be_tree = label_of(r, map.config) != detection::Label::kObject;
+  bool is_within = false;
+  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMax_m),
+                     [&](std::int32_t i, const LandmarkRecord& other) {
+                       if (i == index || other.is_clump || other.width_m > kCompactMax_m) return;
+                       if (other.num_all < kStrayObservationsMax) return;  // may be a stray itself
+                       if (r.num_all >= kStrayFraction * other.num_all) return;
+                       if (may_be_tree && label_of(other, map.config) != detection::Label::kTree)
+                         return;
+                       const double apart_m =
+                           (other.association_position() - r.association_position()).norm();
+                       is_within |= apart_m + std::hypot(place_sd_m(r), place_sd_m(other)) <
+                                    0.5 * static_cast<double>(r.width_m + other.width_m);
+                     });
+  return is_within;
+}
+
+/// Whether a landmark is foliage of a bush that looked like a trunk: a real stem in a bush or at
+/// its border is observed in a good part of the scans that observe the bush.
+bool is_of_a_bush(const MapState& map, std::int32_t index) {
+  const LandmarkRecord& r = map.landmarks[index];
+  if (r.is_clump) return false;
+  bool is_part = false;
+  map.landmarks.near(
+      r.association_position(), 0.5 * (r.width_m + map.config.object_width_max_m) + kTouch_m,
+      [&](std::int32_t i, const LandmarkRecord& bush) {
+        if (i == index || !bush.is_clump) return;
+        if (r.num_all >= kStemFraction * bush.num_all) return;
+        const double apart_m = (bush.association_position() - r.association_position()).norm();
+        is_part |= apart_m < extent_radius_m(bush) + 0.5 * r.width_m + kTouch_m;
+      });
+  return is_part;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupancy& ground) {
+  std::vector<std::int32_t> strays;
+  TrustedScans trusted(map);
+  const WalkerTracks walked(map);
+  for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
+    const LandmarkRecord& r = map.landmarks[i];
+    if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
+    if (is_within_another(map, i) || is_of_a_bush(map, i) || is_flickering(map, r) ||
+        walked.is_footprint(r) || log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
+      strays.push_back(i);
+    }
+  }
+  return strays;
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/extent/long_objects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "geometry/point_grid.hpp"
+#include "geometry/statistics.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+using Group = std::vector<std::size_t>;  ///< indices of landmarks
+
+/// Borders closer than this touch [m]: the width of a position that GroundOccupancy tests.
+constexpr double kHedgeTouch_m = 0.2;
+/// Max number of landmarks used as end points of lines through a group.
+constexpr std::size_t kEndsMax = 40;
+
+Vector2d at(const Landmark& l) { return {l.x_m, l.y_m}; }
+
+double gap_m(const Landmark& a, const Landmark& b) {
+  return (at(b) - at(a)).norm() - 0.5 * (a.width_m + b.width_m);
+}
+
+/// Whether every position between two borders was observed to be blocked.
+bool is_shut(const Vector2d& from, const Vector2d& to, const PositionTest& is_blocked) {
+  const double between_m = (to - from).norm();
+  const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
+  for (int i = 0; i < num; ++i) {
+    const double fraction =
+        (0.5 * kHedgeTouch_m + (between_m - kHedgeTouch_m) * (i + 0.5) / num) / between_m;
+    if (!is_blocked(from + fraction * (to - from))) return false;
+  }
+  return true;
+}
+
+bool are_one(const Landmark& a, const Landmark& b, const PositionTest& is_blocked) {
+  if (gap_m(a, b) <= kHedgeTouch_m) return true;
+  const Vector2d along = (at(b) - at(a)).normalized();
+  return is_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, is_blocked);
+}
+
+/// Adjacency list of landmarks that belong to one object.
+class Links {
+ public:
+  explicit Links(std::size_t num) : of_(num) {}
+  void add(std::size_t a, std::size_t b) {
+    of_[a].push_back(b);
+    of_[b].push_back(a);
+  }
+
+  /// Connected components of `members`, each in ascending order.
+  std::vector<Group> parts(const Group& members) const {
+    std::vector<char> is_left(of_.size(), 0);
+    for (const std::size_t i : members) is_left[i] = 1;
+    std::vector<Group> all;
+    for (const std::size_t first : members) {
+      if (!is_left[first]) continue;
+      Group part{first};
+      is_left[first] = 0;
+      for (std::size_t k = 0; k < part.size(); ++k) {
+        for (const std::size_t other : of_[part[k]]) {
+          if (std::exchange(is_left[other], 0)) part.push_back(other);
+        }
+      }
+      std::sort(part.begin(), part.end());
+      all.push_back(std::move(part));
+    }
+    return all;
+  }
+
+ private:
+  std::vector<Group> of_;
+};
+
+/// Extent of a group along an axis.
+struct Span {
+  double from_m = 0.0, to_m = 0.0;  ///< along
+  double length_m() const { return to_m - from_m; }
+};
+
+Span span_of(const std::vector<Landmark>& landmarks, const Group& group, const Vector2d& origin,
+             const Vector2d& along) {
+  Span span{1e300, -1e300};
+  for (const std::size_t i : group) {
+    const Vector2d arm = at(landmarks[i]) - origin;
+    const double half_m = 0.5 * landmarks[i].width_m;
+    span.from_m = std::min(span.from_m, arm.dot(along) - half_m);
+    span.to_m = std::max(span.to_m, arm.dot(along) + half_m);
+  }
+  return span;
+}
+
+struct Stretch {
+  Group members;
+  Vector2d origin{0, 0};
+  Vector2d along{1, 0};
+  double length_m = 0.0;
+};
+
+/// The longest straight part of a group: connected landmarks within half of `object_width_max_m` of
+/// a line through two of them.
+Stretch longest_stretch(const std::vector<Landmark>& landmarks, const Links& links,
+                        const Group& group, double object_width_max_m) {
+  const std::size_t step = 1 + group.size() / kEndsMax;
+  Stretch best;
+  for (std::size_t a = 0; a < group.size(); a += step) {
+    for (std::size_t b = a + step; b < group.size(); b += step) {
+      const Vector2d origin = at(landmarks[group[a]]);
+      const Vector2d way = at(landmarks[group[b]]) - origin;
+      if (way.norm() < 1e-6) continue;
+      const Vector2d along = way.normalized(), across(-along.y(), along.x());
+      Group beside;
+      for (const std::size_t i : group) {
+        const double off_m = std::abs((at(landmarks[i]) - origin).dot(across));
+        if (off_m <= 0.5 * object_width_max_m) beside.push_back(i);
+      }
+      for (Group& part : links.parts(beside)) {
+        const double length_m = span_of(landmarks, part, origin, along).length_m();
+        if (length_m <= best.length_m) continue;
+        best = {std::move(part), origin, along, length_m};
+      }
+    }
+  }
+  return best;
+}
+
+/// Principal axis of a group.
+Vector2d main_direction(const std::vector<Landmark>& landmarks, const Group& group) {
+  Vector2d mean(0, 0);
+  for (const std::size_t i : group) mean += at(landmarks[i]);
+  mean /= static_cast<double>(group.size());
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  for (const std::size_t i : group) {
+    const Vector2d arm = at(landmarks[i]) - mean;
+    xx += arm.x() * arm.x();
+    xy += arm.x() * arm.y();
+    yy += arm.y() * arm.y();
+  }
+  const double angle_rad = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  return {std::cos(angle_rad), std::sin(angle_rad)};
+}
+
+/// Lateral position and width of a group relative to a line; the width is that of a uniform
+/// distribution with the same scatter.
+struct Across {
+  double middle_m = 0.0;
+  double width_m = 0.0;
+};
+
+Across across_of(const std::vector<Landmark>& landmarks, const Group& group, const Vector2d& origin,
+                 const Vector2d& along) {
+  const Vector2d across(-along.y(), along.x());
+  const auto num = static_cast<double>(group.size());
+  double sum_m = 0.0, square_m2 = 0.0;
+  for (const std::size_t i : group) sum_m += (at(landmarks[i]) - origin).dot(across);
+  for (const std::size_t i : group) {
+    const double off_m = (at(landmarks[i]) - origin).dot(across) - sum_m / num;
+    square_m2 += off_m * off_m;
+  }
+  return {sum_m / num, std::sqrt(12.0 * square_m2 / num)};
+}
+
+/// One object for a whole stretch.
+Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) {
+  const Vector2d along = main_direction(landmarks, stretch.members), across(-along.y(), along.x());
+  const Span span = span_of(landmarks, stretch.members, stretch.origin, along);
+  Landmark whole = landmarks[stretch.members.front()];
+  whole.label = detection::Label::kObject;
+  whole.probability = whole.roc_mean = 0.0;
+  std::vector<double> widths_m;
+  whole.num_observations = 0;
+  for (const std::size_t i : stretch.members) {
+    const Landmark& part = landmarks[i];
+    whole.id = std::min(whole.id, part.id);
+    whole.num_observations += part.num_observations;
+    whole.roc_mean += part.roc_mean * part.num_observations;
+    whole.probability = std::max(whole.probability, part.probability);
+    widths_m.push_back(part.width_m);
+  }
+  const Across beside = across_of(landmarks, stretch.members, stretch.origin, along);
+  whole.roc_mean /= std::max(1, whole.num_observations);
+  // A trunk is not that long, so the appearance of the parts does not apply to the whole.
+  whole.probability = std::min(whole.probability, 1.0 - whole.probability);
+  // Parts are often wide along the hedge, so the narrow ones give its width.
+  whole.width_m = geometry::quantile(std::move(widths_m), 0.25) + beside.width_m;
+  whole.length_m = span.length_m();
+  whole.direction_rad = std::atan2(along.y(), along.x());
+  const Vector2d middle =
+      stretch.origin + 0.5 * (span.from_m + span.to_m) * along + beside.middle_m * across;
+  whole.x_m = middle.x();
+  whole.y_m = middle.y();
+  // The ends depend on which parts the scans happened to hit.
+  const double along_m2 = whole.width_m * whole.width_m,
+               across_m2 = beside.width_m * beside.width_m / 12.0;
+  whole.covariance = {along_m2 * along.x() * along.x() + across_m2 * across.x() * across.x(),
+                      along_m2 * along.x() * along.y() + across_m2 * across.x() * across.y(),
+                      along_m2 * along.y() * along.y() + across_m2 * across.y() * across.y()};
+  whole.se_x_m = std::sqrt(whole.covariance[0]);
+  whole.se_y_m = std::sqrt(whole.covariance[2]);
+  whole.width_sd_m = std::max(whole.width_sd_m, std::sqrt(across_m2));
+  return whole;
+}
+
+/// Whether the middle of the shorter stretch lies on the line of the longer one, within their
+/// widths.
+bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const Stretch& b) {
+  const Stretch& longer = a.length_m < b.length_m ? b : a;
+  const Stretch& shorter = a.length_m < b.length_m ? a : b;
+  const Vector2d along = main_direction(landmarks, longer.members);
+  const Across of_longer = across_of(landmarks, longer.members, longer.origin, along);
+  const Across of_shorter = across_of(landmarks, shorter.members, longer.origin, along);
+  return std::abs(of_shorter.middle_m - of_longer.middle_m) <=
+         0.5 * (of_longer.width_m + of_shorter.width_m) + kHedgeTouch_m;
+}
+
+/// Joins stretches in line if no passage was observed free between them and the gap is not longer
+/// than the longer one: the gap was too wide to be reported, or never in view.
+void join_in_line(const std::vector<Landmark>& landmarks, double object_width_max_m,
+                  const PositionTest& is_free, std::vector<Stretch>& stretches) {
+  const auto join = [&](Stretch& a, const Stretch& b) {
+    Group both = a.members;
+    both.insert(both.end(), b.members.begin(), b.members.end());
+    const Vector2d along = main_direction(landmarks, both);
+    const Span first = span_of(landmarks, a.members, a.origin, along);
+    const Span second = span_of(landmarks, b.members, a.origin, along);
+    const Across across = across_of(landmarks, both, a.origin, along);
+    if (across.width_m > object_width_max_m || !is_in_line(landmarks, a, b)) return false;
+    const Span& near = first.from_m < second.from_m ? first : second;
+    const Span& far = first.from_m < second.from_m ? second : first;
+    const double gap = far.from_m - near.to_m;
+    if (gap > std::max(first.length_m(), second.length_m())) return false;
+    // A gate must be free across the whole hedge, because foliage lets single beams in.
+    const Vector2d sideways(-along.y(), along.x());
+    const Vector2d middle = a.origin + across.middle_m * sideways;
+    const double half_m = 0.5 * std::max(across.width_m, kHedgeTouch_m);
+    const auto is_gate = [&](const Vector2d& p_map) {
+      for (double off_m = -half_m; off_m <= half_m; off_m += kHedgeTouch_m) {
+        if (!is_free(p_map + off_m * sideways)) return false;
+      }
+      return true;
+    };
+    for (double s_m = near.to_m + kHedgeTouch_m; s_m <= far.from_m - kHedgeTouch_m;
+         s_m += kHedgeTouch_m) {
+      if (is_gate(middle + s_m * along)) return false;
+    }
+    std::sort(both.begin(), both.end());
+    a = {std::move(both), a.origin, along, std::max(near.to_m, far.to_m) - near.from_m};
+    return true;
+  };
+  for (std::size_t a = 0; a < stretches.size(); ++a) {
+    for (std::size_t b = 0; b < stretches.size(); ++b) {
+      if (b == a || !join(stretches[a], stretches[b])) continue;
+      stretches.erase(stretches.begin() + static_cast<std::ptrdiff_t>(b));
+      if (b < a) --a;
+      b = static_cast<std::size_t>(-1);  // restart: it is longer now
+    }
+  }
+}
+
+/// Links pairs closer than `object_width_max_m` between which nothing passes.
+Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
+                 double object_width_max_m, const PositionTest& is_blocked) {
+  geometry::PointGrid grid(2.0 * object_width_max_m);
+  double width_most_m = 0.0;
+  Links links(landmarks.size());
+  for (const std::size_t i : members) {
+    const Landmark& a = landmarks[i];
+    width_most_m = std::max(width_most_m, a.width_m);
+    std::vector<std::int32_t> near;
+    grid.near(a.x_m, a.y_m, object_width_max_m + 0.5 * (a.width_m + width_most_m),
+              [&](std::int32_t k) { near.push_back(k); });
+    std::sort(near.begin(), near.end());
+    for (const std::int32_t k : near) {
+      const Landmark& b = landmarks[static_cast<std::size_t>(k)];
+      if (gap_m(a, b) > object_width_max_m || !are_one(a, b, is_blocked)) continue;
+      links.add(i, static_cast<std::size_t>(k));
+    }
+    grid.insert(static_cast<std::int32_t>(i), a.x_m, a.y_m);
+  }
+  return links;
+}
+
+}  // namespace
+
+std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double object_width_max_m,
+                                        const PositionTest& is_blocked, const PositionTest& is_free,
+                                        const std::function<bool(const Landmark&)>& is_separate) {
+  Group members;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (landmarks[i].length_m == 0.0 && !is_separate(landmarks[i])) members.push_back(i);
+  }
+  const Links links = find_links(landmarks, members, object_width_max_m, is_blocked);
+  std::vector<Group> groups = links.parts(members);
+  std::vector<char> is_part(landmarks.size(), 0);
+  std::vector<Landmark> all;
+  std::vector<Stretch> stretches;
+  for (std::size_t g = 0; g < groups.size(); ++g) {  // appends the remaining parts of a group
+    if (groups[g].size() < 2) continue;
+    const Stretch stretch = longest_stretch(landmarks, links, groups[g], object_width_max_m);
+    if (stretch.length_m <= object_width_max_m) continue;
+    stretches.push_back(stretch);
+    Group rest;
+    for (const std::size_t i : stretch.members) is_part[i] = 1;
+    for (const std::size_t i : groups[g]) {
+      if (!is_part[i]) rest.push_back(i);
+    }
+    for (Group& part : links.parts(rest)) groups.push_back(std::move(part));
+  }
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (!is_part[i]) all.push_back(landmarks[i]);
+  }
+  join_in_line(landmarks, object_width_max_m, is_free, stretches);
+  for (const Stretch& stretch : stretches) all.push_back(joined(landmarks, stretch));
+  std::sort(all.begin(), all.end(),
+            [](const Landmark& a, const Landmark& b) { return a.id < b.id; });
+  return all;
+}
+
+std::vector<Vector2d> centre_line(const Landmark& l) {
+  if (!(l.length_m > l.width_m)) return {at(l)};
+  const Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
+  const double reach_m = 0.5 * (l.length_m - l.width_m);
+  const double apart_m = 0.25 * std::max(kHedgeTouch_m, l.width_m);
+  const auto num = static_cast<int>(std::ceil(2.0 * reach_m / apart_m));
+  std::vector<Vector2d> places;
+  for (int i = 0; i <= num; ++i) {
+    places.push_back(at(l) + along * (reach_m * (2.0 * i / std::max(1, num) - 1.0)));
+  }
+  return places;
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace orchard::pose {
+
+/// Raster for scoring a submap's pose: a point scores positive in cells with returns, negative in
+/// cells that beams passed through, and zero in unknown cells.
+///
+/// Coarser levels, at the same spacing, hold the maximum over larger and larger squares; they give
+/// the upper bounds by which branch and bound discards whole regions (after Hess et al. 2016).
+class OccupancyPyramid {
+ public:
+  static constexpr int kHit = 100;      ///< value of a cell with a return
+  static constexpr int kThrough = -60;  ///< value of a cell that beams passed through
+  static constexpr int kLevels = 6;     ///< squares of 1 to 32 cells
+
+  /// `kernel_m`: repeatability of a return's position, 1-sigma.
+  OccupancyPyramid(const Eigen::Vector2d& centre_map, double half_side_m, double cell_m,
+                   double kernel_m);
+
+  /// Adds a beam from the laser to its return at `hit_map`.
+  void add(const Eigen::Vector2d& laser_map, const Eigen::Vector2d& hit_map);
+
+  /// Computes the values and the coarser levels; call after the last beam.
+  void finish();
+
+  double cell_m() const { return cell_m_; }
+  int column(double x_map_m) const;
+  int row(double y_map_m) const;
+
+  /// Returns the max value in the square of side 2^level cells that starts at this cell; 0 outside
+  /// the raster.
+  int best(int level, int column, int row) const {
+    if (column < 0 || row < 0 || column >= side_ || row >= side_)
+      return outside(level, column, row);
+    return levels_[static_cast<std::size_t>(level)]
+                  [static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) +
+                   static_cast<std::size_t>(column)];
+  }
+
+ private:
+  /// A square that starts outside may reach into the raster: its bound is kHit.
+  int outside(int level, int column, int row) const {
+    const int reach = 1 << level;
+    return column > -reach && row > -reach && column < side_ && row < side_ ? kHit : 0;
+  }
+
+  double cell_m_;
+  double kernel_m_;
+  int side_;
+  Eigen::Vector2d corner_map_;
+  std::vector<std::uint8_t> passed_;
+  std::vector<std::vector<std::int8_t>> levels_;
+};
+
+}  // namespace orchard::pose

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/submap/scan_loop_closer.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/pose2.hpp"
+#include "pose/scan_matching/scan_covariance.hpp"
+#include "pose/scan_matching/scan_matcher.hpp"
+#include "pose/slam/slam_undo.hpp"
+#include "pose/submap/pose_search.hpp"
+
+namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::rotation;
+
+namespace {
+
+/// Length of the parts of the path whose scans are registered to each other [m].
+constexpr double kStretch_m = 20.0;
+
+/// Number of trunks in view, mapped at least kOld_m of travel ago, that constrain the pose enough.
+constexpr int kAnchorsEnough = 3;
+constexpr double kOld_m = 2.0 * kStretch_m;
+
+/// Min travel between two searches [m].
+constexpr double kAskEvery_m = 5.0;
+
+/// No search if the standard deviation of the position is smaller [m].
+constexpr double kAskSd_m = 0.10;
+
+/// Search window in standard deviations of the pose.
+constexpr double kSearchSigmas = 4.0;
+
+/// Limits of the search window; the minimum includes rivals one tree or row away.
+constexpr double kSearchMin_m = 4.0;
+constexpr double kSearchMax_m = 40.0;
+constexpr double kSearchTurnMin_rad = 0.05;
+constexpr double kSearchTurnMax_rad = 0.7;
+
+/// Side of the raster's cells [m], and of the squares with one point each, so that walls and hedges
+/// count by their length.
+constexpr double kCell_m = 0.2;
+constexpr double kPointSpacing_m = 0.3;
+/// Repeatability of surfaces, 1-sigma [m]: the path is distorted, leaves move.
+constexpr double kRoughness_m = 0.15;
+constexpr std::size_t kPointsMin = 60;
+constexpr std::size_t kPointsMax = 400;
+
+/// Poses nearer to each other than this are the same.
+constexpr double kSame_m = 1.2;
+constexpr double kSame_rad = 0.12;
+
+/// Min score per point in known cells, min fraction of points in known cells, and min lead of the
+/// best pose as a fraction of its score.
+constexpr double kScoreMin = 0.5;
+constexpr double kKnownMin = 0.4;
+constexpr double kLead = 0.2;
+
+/// Limits for the fit of all points: change of the pose found, score, and standard deviation.
+constexpr double kFitShift_m = 0.6;
+constexpr double kFitTurn_rad = 0.1;
+constexpr double kFitScore = 0.4;
+constexpr double kFitSd_m = 0.3;
+
+/// Distortion of the registered part of the path, added to the covariance of a closure.
+constexpr double kBendSd_m = 0.05;
+constexpr double kBendSd_rad = 0.005;
+
+/// Max squared Mahalanobis distance (3 degrees of freedom) of a closure after the solve.
+constexpr double kRefuted2 = 25.0;
+
+/// A closure that moves the robot by more than this [m] needs a solve of the whole graph, which is
+/// only done after the graph has grown by this fraction.
+constexpr double kMoves_m = 0.3;
+constexpr double kScanSolveGrowth = 0.02;
+
+Eigen::Vector3d bend_variance() {
+  return {kBendSd_m * kBendSd_m, kBendSd_m * kBendSd_m, kBendSd_rad * kBendSd_rad};
+}
+
+double position_sd_m(const Eigen::Matrix3d& P) {
+  return std::sqrt(std::max({P(0, 0), P(1, 1), 0.0}));
+}
+
+double distance2(const RelativePose& r, const SlamGraph& graph, const Eigen::Matrix3d& P) {
+  Eigen::Vector3d e =
+      between(graph.keyframes[r.from].T_map_base, graph.keyframes[r.to].T_map_base) - r.T_from_to;
+  e.z() = geometry::wrap_angle_rad(e.z());
+  return e.dot(P.inverse() * e);
+}
+
+bool is_held_by_old_trunks(const SlamMap& map) {
+  const SlamGraph& graph = map.graph;
+  const double now_m = graph.keyframes.back().travel_m;
+  int anchors = 0;
+  for (const int l : map.local) {
+    const SlamLandmark& landmark = graph.landmarks[l];
+    if (landmark.keyframes.size() < 2 || !landmark.confirmed) continue;
+    const int last = landmark.keyframes.back();
+    if (last < map.session_start || now_m - graph.keyframes[last].travel_m > kAskEvery_m) continue;
+    if (now_m - graph.keyframes[landmark.keyframes.front()].travel_m > kOld_m) ++anchors;
+  }
+  return anchors >= kAnchorsEnough;
+}
+
+/// Rotates a fit's covariance, whose (x, y) are in map, into the axes of a keyframe.
+Eigen::Matrix3d in_axes_of(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& P_map) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(-T_map_base.z());
+  return R * P_map * R.transpose();
+}
+
+}  // namespace
+
+ScanLoopCloser::ScanLoopCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+                               std::shared_ptr<ChunkAllocator> memory)
+    : config_(config), mount_(mount), scans_(std::move(memory)), points_(config) {}
+
+/// Replaces the points of points_ by the scans of these keyframes, in map.
+void ScanLoopCloser::refill(const SlamMap& map, const std::vector<int>& keyframes) {
+  filling_ += 1.0;
+  points_.forget_before(filling_);
+  for (const int k : keyframes) {
+    for (const SurfacePoint& p : scans_.points(k, map.graph.keyframes[k].T_map_base)) {
+      points_.insert(p, filling_);
+    }
+  }
+}
+
+void ScanLoopCloser::keep(const std::vector<SurfacePoint>& points, const SlamMap& map) {
+  scans_.keep(map.newest(), points);
+}
+
+/// Returns the old keyframe whose scan has the most points in common with `points` at T_map_base.
+int ScanLoopCloser::best_supporting_keyframe(const SlamMap& map, const Eigen::Vector3d& T_map_base,
+                                             const std::vector<SurfacePoint>& points,
+                                             const std::vector<int>& old) {
+  filling_ += 1.0;
+  points_.forget_before(filling_);
+  for (SurfacePoint p : points) {
+    p.p = geometry::transform(T_map_base, p.p);
+    points_.insert(p, filling_);
+  }
+  int best = old.front();
+  int most = -1;
+  for (const int k : old) {
+    int shared = 0;
+    double d2 = 0.0;
+    for (const SurfacePoint& p : scans_.points(k, map.graph.keyframes[k].T_map_base)) {
+      shared += points_.nearest(p.p, kPointSpacing_m, d2) != nullptr;
+    }
+    if (shared <= most) continue;
+    most = shared;
+    best = k;
+  }
+  return best;
+}
+
+std::optional<RelativePose> ScanLoopCloser::verified(const SlamMap& map,
+                                                     const Eigen::Vector3d& T_map_base,
+                                                     const std::vector<int>& recent,
+                                                     const std::vector<int>& old) {
+  const std::vector<Keyframe>& keyframes = map.graph.keyframes;
+  std::vector<SurfacePoint> points;
+  for (const int k : recent) {
+    const Eigen::Vector3d T = between(keyframes[map.newest()].T_map_base, keyframes[k].T_map_base);
+    for (const SurfacePoint& p : scans_.points(k, T)) points.push_back(p);
+  }
+  points = thinned(points, kPointSpacing_m);
+  RelativePose r;
+  r.from = best_supporting_keyframe(map, T_map_base, points, old);
+  r.to = map.newest();
+  std::vector<int> stretch;
+  for (const int k : old) {
+    const double apart_m = std::abs(keyframes[k].travel_m - keyframes[r.from].travel_m);
+    if (apart_m <= kStretch_m) stretch.push_back(k);
+  }
+  refill(map, stretch);
+  const ScanMatcher matcher(points_, config_);
+  const ScanMatch match = matcher.refined(points, T_map_base);
+  const Eigen::Vector3d off = between(T_map_base, match.T_map_base);
+  if (off.head<2>().norm() > kFitShift_m || std::abs(off.z()) > kFitTurn_rad ||
+      match.score < kFitScore) {
+    return std::nullopt;
+  }
+  r.T_from_to = between(keyframes[r.from].T_map_base, match.T_map_base);
+  r.covariance = in_axes_of(keyframes[r.from].T_map_base, covariance_of(matcher, points, match));
+  if (position_sd_m(r.covariance) > kFitSd_m) return std::nullopt;
+  r.covariance.diagonal() += bend_variance();
+  return r;
+}
+
+std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
+  const std::vector<Keyframe>& keyframes = map.graph.keyframes;
+  const Keyframe& now = keyframes.back();
+  const double sd_m = position_sd_m(now.covariance);
+  const double window_m = std::clamp(kSearchSigmas * sd_m, kSearchMin_m, kSearchMax_m);
+  const auto ago_m = [&](int k) { return now.travel_m - keyframes[k].travel_m; };
+  std::vector<int> recent, old;
+  bool is_back = false;
+  for (const int k : scans_.between(0, map.newest() + 1)) {
+    if (ago_m(k) <= kStretch_m && k >= map.session_start) recent.push_back(k);
+    if (ago_m(k) < kOld_m) continue;
+    const double away_m = (keyframes[k].T_map_base - now.T_map_base).head<2>().norm();
+    if (away_m > window_m + config_.range_max_m) continue;
+    old.push_back(k);
+    is_back |= away_m <= window_m + 0.25 * config_.range_max_m;
+  }
+  if (!is_back || recent.empty()) return std::nullopt;
+
+  std::vector<SurfacePoint> all;
+  for (const int k : recent) {
+    const Eigen::Vector3d T = between(now.T_map_base, keyframes[k].T_map_base);
+    for (const SurfacePoint& p : scans_.points(k, T)) all.push_back(p);
+  }
+  all = thinned(all, kPointSpacing_m);
+  if (all.size() < kPointsMin) return std::nullopt;
+  ++num_searches_;
+  std::vector<Eigen::Vector2d> points;
+  double farthest_m = 0.0;
+  const std::size_t step = 1 + all.size() / kPointsMax;
+  for (std::size_t i = 0; i < all.size(); i += step) {
+    points.push_back(all[i].p);
+    farthest_m = std::max(farthest_m, all[i].p.norm());
+  }
+  const double kernel_m = std::hypot(kRoughness_m, mount_.range_sd_at(0.5 * config_.range_max_m));
+  OccupancyPyramid raster(now.T_map_base.head<2>(), window_m + farthest_m, kCell_m, kernel_m);
+  for (const int k : old) {
+    const Eigen::Vector3d& T = keyframes[k].T_map_base;
+    const Eigen::Vector2d laser = geometry::transform(T, {mount_.mount_x_m, mount_.mount_y_m});
+    for (const SurfacePoint& p : scans_.points(k, T)) raster.add(laser, p.p);
+  }
+  raster.finish();
+  PoseSearchWindow window;
+  window.T_map_submap = now.T_map_base;
+  window.half_side_m = window_m;
+  window.half_turn_rad = std::clamp(kSearchSigmas * std::sqrt(std::max(0.0, now.covariance(2, 2))),
+                                    kSearchTurnMin_rad, kSearchTurnMax_rad);
+  const PoseSearchResult place =
+      find_submap_pose(points, raster, window, kSame_m, kSame_rad, kLead);
+  num_operations_ += place.num_operations;
+  if (!place.found || place.on_known < kKnownMin * static_cast<double>(points.size()) ||
+      place.score < kScoreMin * place.on_known) {
+    return std::nullopt;
+  }
+  ambiguous_ = place.ambiguous;
+  if (place.ambiguous) return std::nullopt;
+  return verified(map, place.T_map_submap, recent, old);
+}
+
+bool ScanLoopCloser::observe(SlamMap& map) {
+  const Keyframe& now = map.graph.keyframes.back();
+  if (!scans_.has(map.newest()) || now.travel_m - asked_m_ < kAskEvery_m ||
+      position_sd_m(now.covariance) < kAskSd_m || is_held_by_old_trunks(map)) {
+    return false;
+  }
+  asked_m_ = now.travel_m;
+  ambiguous_ = false;
+  const std::optional<RelativePose> found = find(map);
+  if (!found) return false;
+  const Eigen::Vector3d moved = between(
+      now.T_map_base, compose(map.graph.keyframes[found->from].T_map_base, found->T_from_to));
+  const bool is_large = moved.head<2>().norm() > kMoves_m || map.session_start > 0;
+  const int num_keyframes = map.newest() + 1;
+  if (is_large && num_keyframes < solved_keyframes_ * (1.0 + kScanSolveGrowth)) return false;
+  if (!is_large) {
+    map.graph.relative_poses.push_back(*found);
+    ++num_closures_;
+    return true;
+  }
+  solved_keyframes_ = num_keyframes;
+  SlamUndo undo(map);
+  map.graph.relative_poses.push_back(*found);
+  if (map.solve(SolveReason::kLoopClosure) &&
+      distance2(*found, map.graph, found->covariance) <= kRefuted2) {
+    map.session_start = 0;
+    ++num_closures_;
+    return true;
+  }
+  undo.restore();
+  ++num_refuted_;
+  return false;
+}
+
+bool ScanLoopCloser::drop_contradicted(SlamMap& map) {
+  std::vector<RelativePose>& all = map.graph.relative_poses;
+  const auto is_contradicted = [&](const RelativePose& r) {
+    return distance2(r, map.graph, r.covariance) > kRefuted2;
+  };
+  const auto end = std::remove_if(all.begin(), all.end(), is_contradicted);
+  const bool any = end != all.end();
+  num_refuted_ += static_cast<int>(std::distance(end, all.end()));
+  all.erase(end, all.end());
+  return any;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/detections_json.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "detection/trunk_view.hpp"
+#include "text/number_text.hpp"
+#include "view/bitmap.hpp"
+
+namespace orchard::view {
+namespace {
+
+/// Image window in which the camera looks for a detection: a segment of its width as seen from the
+/// laser.
+std::optional<detection::TrunkView> window_of(const detection::Detection& d,
+                                              const detection::Rig& rig) {
+  laser::Segment segment;
+  segment.range_m = segment.start_range_m = segment.end_range_m = d.range_m;
+  segment.bearing_rad = d.bearing_rad;
+  const double half_rad = std::atan2(0.5 * d.width_m, d.range_m + 0.5 * d.width_m);
+  segment.start_bearing_rad = d.bearing_rad - half_rad;
+  segment.end_bearing_rad = d.bearing_rad + half_rad;
+  return detection::view_of(segment, rig);
+}
+
+std::string rect_text(const vision::PixelRect& rect) {
+  return "[" + std::to_string(rect.x_px) + "," + std::to_string(rect.y_px) + "," +
+         std::to_string(rect.width_px) + "," + std::to_string(rect.height_px) + "]";
+}
+
+const char* label_name(detection::Label label) {
+  switch (label) {
+    case detection::Label::kTree:
+      return "0";
+    case detection::Label::kObject:
+      return "1";
+    default:
+      return "2";
+  }
+}
+
+}  // namespace
+
+std::string points_json(const std::vector<Eigen::Vector2d>& points, std::size_t from) {
+  std::string text = "[";
+  for (std::size_t k = from; k < points.size(); ++k) {
+    if (text.size() > 1) text += ',';
+    text += fixed_text(points[k].x(), 2) + "," + fixed_text(points[k].y(), 2);
+  }
+  return text + "]";
+}
+
+std::string scan_points_json(const laser::Scan& scan, const geometry::Pose2& T_map_base,
+                             const detection::Rig& rig) {
+  const geometry::Pose2 T_base_laser{rig.laser.mount_x_m, rig.laser.mount_y_m,
+                                     rig.laser.mount_yaw_rad};
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (!scan.valid(beam)) continue;
+    const double range_m = scan.ranges_m[beam];
+    const double bearing_rad = scan.bearing_rad(static_cast<double>(beam));
+    const Eigen::Vector2d p_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad));
+    points.push_back(geometry::transform(T_map_base, geometry::transform(T_base_laser, p_laser)));
+  }
+  return points_json(points, 0);
+}
+
+std::string detections_json(const detection::Detections& detections, const detection::Rig& rig,
+                            const std::string& picture) {
+  std::string text = "\"picture\":\"" + picture +
+                     "\",\"width\":" + std::to_string(detection::picture_of(rig).width_px) +
+                     ",\"height\":" + std::to_string(detection::picture_of(rig).height_px) +
+                     ",\"trunks\":[";
+  bool is_first = true;
+  for (const detection::Detection& d : detections.trunks) {
+    const auto window = window_of(d, rig);
+    if (!window) continue;
+    if (!is_first) text += ',';
+    is_first = false;
+    text += std::string("{\"label\":") + label_name(d.label) +
+            ",\"centre\":" + rect_text(window->centre) +
+            ",\"left_edge\":" + rect_text(window->left_edge) +
+            ",\"right_edge\":" + rect_text(window->right_edge) +
+            ",\"range\":" + fixed_text(d.range_m, 2);
+    const std::pair<const char*, float> rocs[] = {
+        {"laser", d.roc_laser},      {"colour", d.roc_colour},     {"left", d.roc_left_edge},
+        {"right", d.roc_right_edge}, {"parallel", d.roc_parallel}, {"edges", d.roc_edges},
+        {"vision", d.roc_vision},    {"tree", d.roc_tree}};
+    for (const auto& [name, roc] : rocs) {
+      text += std::string(",\"") + name + "\":" + fixed_text(roc, 3);
+    }
+    text += "}";
+  }
+  return text + "]";
+}
+
+ShownPicture shown_picture(const vision::Image& image) {
+  ShownPicture picture;
+  picture.utime = image.utime;
+  if (image.encoding == vision::Encoding::kJpeg) {
+    picture.bytes.assign(image.data.begin(), image.data.end());
+  } else {
+    picture.type = "image/bmp";
+    picture.bytes = bitmap(image);
+  }
+  return picture;
+}
+
+}  // namespace orchard::view

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/extent/long_objects.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kWidest_m = 2.0;
+
+Landmark thing(int id, const Vector2d& p, double width_m = 0.3) {
+  Landmark l;
+  l.id = id;
+  l.label = detection::Label::kTree;  // what a laser takes bits of a hedge for
+  l.num_observations = 10;
+  l.probability = 1.0;
+  l.x_m = p.x();
+  l.y_m = p.y();
+  l.width_m = width_m;
+  return l;
+}
+
+/// Bits of a hedge every half to whole metre from one place to another.
+void plant(std::vector<Landmark>& all, const Vector2d& from, const Vector2d& to,
+           std::mt19937& random) {
+  std::uniform_real_distribution<> step_m(0.5, 1.0), off_m(-0.25, 0.25), width_m(0.15, 0.5);
+  const Vector2d along = (to - from).normalized(), across(-along.y(), along.x());
+  for (double s_m = 0.0; s_m <= (to - from).norm(); s_m += step_m(random)) {
+    all.push_back(thing(static_cast<int>(all.size()) + 1,
+                        from + s_m * along + off_m(random) * across, width_m(random)));
+  }
+}
+
+double to_segment_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (a + t * (b - a) - p).norm();
+}
+
+const auto kNobody = [](const Landmark&) { return false; };
+
+/// All else is seen free.
+PositionTest not_in(const PositionTest& is_blocked) {
+  return [is_blocked](const Vector2d& p) { return !is_blocked(p); };
+}
+
+TEST(LongThings, AHedgeIsOneLine) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const Vector2d from(3.0, -7.0),
+        to = from + 15.0 * Vector2d(std::cos(0.1 * seed), std::sin(0.1 * seed));
+    std::vector<Landmark> all;
+    plant(all, from, to, random);
+    const auto in_hedge = [&](const Vector2d& p) { return to_segment_m(p, from, to) < 0.5; };
+    const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+    ASSERT_EQ(joined.size(), 1u) << "seed " << seed;
+    const Landmark& hedge = joined.front();
+    EXPECT_EQ(hedge.id, 1);
+    EXPECT_EQ(hedge.label, detection::Label::kObject);
+    EXPECT_NEAR(hedge.length_m, 15.0, 1.3);
+    EXPECT_NEAR(std::remainder(hedge.direction_rad - 0.1 * seed, M_PI), 0.0, 0.05);
+    EXPECT_LT((Vector2d(hedge.x_m, hedge.y_m) - 0.5 * (from + to)).norm(), 0.7);
+    EXPECT_GT(hedge.width_m, 0.5);
+    EXPECT_LT(hedge.width_m, 1.0);
+  }
+}
+
+/// What is wider than any thing that a scan reports leaves a gap, and so does a gate: beams pass
+/// one.
+TEST(LongThings, ALineGoesOnWhereTheHedgeDoesAndEndsAtAGate) {
+  for (const bool has_gate : {false, true}) {
+    std::mt19937 random(3);
+    std::vector<Landmark> all;
+    plant(all, {0.0, 0.0}, {8.0, 0.0}, random);
+    plant(all, {13.0, 0.0}, {20.0, 0.0}, random);
+    const auto in_hedge = [&](const Vector2d& p) {
+      return std::abs(p.y()) < 0.4 && !(has_gate && p.x() > 9.0 && p.x() < 12.0);
+    };
+    const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+    EXPECT_EQ(joined.size(), has_gate ? 2u : 1u);
+  }
+}
+
+/// The robot did not come near enough to the middle of a hedge: nothing was seen there, and no
+/// gate.
+TEST(LongThings, ALineGoesOnWhereNothingWasSeen) {
+  std::mt19937 random(5);
+  std::vector<Landmark> all;
+  plant(all, {0.0, 0.0}, {12.0, 0.0}, random);
+  plant(all, {19.0, 0.0}, {30.0, 0.0}, random);
+  const auto seen = [](const Vector2d& p) { return p.x() < 13.0 || p.x() > 18.0; };
+  const auto in_hedge = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) < 0.4; };
+  const auto is_free = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) >= 0.4; };
+  EXPECT_EQ(join_long_objects(all, kWidest_m, in_hedge, is_free, kNobody).size(), 1u);
+  // farther apart than either is long, they are two
+  for (Landmark& l : all) l.x_m += l.x_m > 15.0 ? 10.0 : 0.0;
+  const auto nowhere = [](const Vector2d&) { return false; };
+  EXPECT_EQ(join_long_objects(all, kWidest_m, in_hedge, nowhere, kNobody).size(), 2u);
+}
+
+TEST(LongThings, ACornerIsTwoLines) {
+  std::mt19937 random(1);
+  const Vector2d a(0.0, 0.0), b(20.0, 0.0), c(20.0, 12.0);
+  std::vector<Landmark> all;
+  plant(all, a, b, random);
+  plant(all, b, c, random);
+  const auto in_hedge = [&](const Vector2d& p) {
+    return to_segment_m(p, a, b) < 0.5 || to_segment_m(p, b, c) < 0.5;
+  };
+  const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+  ASSERT_GE(joined.size(), 2u);
+  int num_long = 0;
+  for (const Landmark& l : joined) num_long += l.length_m > 8.0 && l.width_m < 2.1;
+  EXPECT_EQ(num_long, 2);
+  EXPECT_LE(joined.size(), 3u);  // a bit in the corner may be of neither
+}
+
+/// Beams pass between trunks however near they stand.
+TEST(LongThings, TrunksThatBeamsPassBetweenStandAlone) {
+  std::vector<Landmark> all;
+  for (int i = 0; i < 20; ++i) all.push_back(thing(i + 1, {0.8 * i, 0.0}, 0.1));
+  const auto nowhere = [](const Vector2d&) { return false; };
+  EXPECT_EQ(join_long_objects(all, kWidest_m, nowhere, not_in(nowhere), kNobody).size(), 20u);
+}
+
+TEST(LongThings, WhatIsShortStaysAsItIs) {
+  std::vector<Landmark> all{thing(1, {0.0, 0.0}), thing(2, {0.2, 0.0}), thing(3, {5.0, 0.0}, 1.5)};
+  const auto everywhere = [](const Vector2d&) { return true; };
+  EXPECT_EQ(join_long_objects(all, kWidest_m, everywhere, not_in(everywhere), kNobody).size(), 3u);
+}
+
+TEST(LongThings, ATreeOfARowStandsAloneInAHedge) {
+  std::mt19937 random(2);
+  std::vector<Landmark> all;
+  plant(all, {0.0, 0.0}, {10.0, 0.0}, random);
+  all.push_back(thing(100, {5.0, 0.1}));
+  all.back().row = 1;
+  const auto everywhere = [](const Vector2d&) { return true; };
+  const auto joined = join_long_objects(all, kWidest_m, everywhere, not_in(everywhere),
+                                        [](const Landmark& l) { return l.row > 0; });
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_EQ(joined[1].id, 100);
+  EXPECT_EQ(joined[1].length_m, 0.0);
+}
+
+TEST(LongThings, DiscsAlongTheMiddleLineCoverIt) {
+  Landmark l = thing(1, {2.0, 1.0}, 0.6);
+  l.length_m = 9.0;
+  l.direction_rad = 0.7;
+  const auto places = centre_line(l);
+  const Vector2d along(std::cos(0.7), std::sin(0.7)), across(-along.y(), along.x());
+  for (double s_m = -4.2; s_m <= 4.2; s_m += 0.05) {
+    const Vector2d border = Vector2d(2.0, 1.0) + s_m * along + 0.28 * across;
+    double nearest_m = 1e9;
+    for (const Vector2d& p : places) nearest_m = std::min(nearest_m, (p - border).norm());
+    EXPECT_LE(nearest_m, 0.3) << s_m;
+  }
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -31,7 +31,7 @@ TEST(Degradation, AStretchWithoutPicturesIsToldWithItsLandmarks) {
   EXPECT_EQ(stretches[0].last_utime, 31 * kSecond_us);
   EXPECT_EQ(stretches[0].first_id, 22);
   EXPECT_EQ(stretches[0].last_id, 31);
-  EXPECT_THAT(degradation.text(), HasSubstr("no IMAGE for 10.0 s in 1 stretch while"));
+  EXPECT_THAT(degradation.text(), HasSubstr("no IMAGE for 10.0 s in 1 interval while"));
   EXPECT_THAT(degradation.text(), HasSubstr("10 landmarks were first seen then"));
 }
 

@@ -186,7 +186,7 @@ TEST_F(CalibrateCamera, AnotherCamerasRigIsRefused) {
   std::ofstream(other) << "camera:\n  width_px: 640\n  height_px: 480\n";
   const Outcome outcome = calibrate(in_folder("board") + " --quiet --config " + other);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_NE(outcome.output.find("other.yaml: camera.width_px x height_px is 640 x 480 but"),
+  EXPECT_NE(outcome.output.find("other.yaml: camera.width_px x height_px is 640 x 480, but"),
             std::string::npos)
       << outcome.output;
   EXPECT_EQ(text_of(other), "camera:\n  width_px: 640\n  height_px: 480\n");

@@ -42,8 +42,8 @@ TEST_F(Overlay, DrawsThePairNearestToATime) {
 }
 
 TEST_F(Overlay, SaysWhatIsWrong) {
-  expect_refused(overlay(log(), "9999"), "outside");
-  expect_refused(overlay(log(), "-1"), "outside");
+  expect_refused(overlay(log(), "9999"), "give --at within it");
+  expect_refused(overlay(log(), "-1"), "give --at within it");
   expect_refused(overlay(path("none.lcm"), "1"), "none.lcm");
   write_file(path("empty.lcm"), "");
   expect_refused(overlay(path("empty.lcm"), "1"), "empty.lcm");
@@ -61,7 +61,7 @@ TEST_F(Overlay, SaysWhatIsWrong) {
   blind.close();
   early.close();
   expect_refused(overlay(path("blind.lcm"), "1"), "IMAGE");
-  expect_refused(overlay(path("early.lcm"), "9"), "no scan with a picture");
+  expect_refused(overlay(path("early.lcm"), "9"), "no pair of scan and picture");
 }
 
 TEST_F(Overlay, ARigOfAnotherCameraIsRefused) {

@@ -160,14 +160,15 @@ TEST_F(PlanFile, SaysWhatIsWrong) {
   says(written("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns with positions");
   says(written("nothing.csv", ""), "nothing.csv");
   says(written("noise.gpkg", "no database at all"), "is not a GeoPackage");
-  says(written("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"), "a name of");
+  says(written("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"),
+       "the name must have at most 64 characters");
   PlanFileOptions options;
   options.row_field = "block";
   says(written("fields.csv", "row,tree,x,y\n1,1,0,0\n"), "no column block, only: row, tree, x, y",
        options);
   options = {};
   options.crs = "EPSG:nothing";
-  says(written("crs.csv", "row,tree,x,y\n1,1,0,0\n"), "no coordinate system", options);
+  says(written("crs.csv", "row,tree,x,y\n1,1,0,0\n"), "is not a coordinate system", options);
   says(written("typo.yaml", "rowz: 3\n"), "rows");
   says(written("less.yaml", "rows: 3\ntrees: 5\nrow_spacing_m: 4\n"), "tree_spacing_m");
 }

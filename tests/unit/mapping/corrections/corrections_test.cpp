@@ -116,7 +116,7 @@ TEST(Corrections, KeepNumbersAndNamesApart) {
   name.name = again.name = "by the road";
   nowhere.name = "far";
   const CorrectedMap corrected = apply_corrections(map, 5, {taken, name, again, nowhere});
-  EXPECT_THAT(corrected.results[0].reason, HasSubstr("row 2 tree 1 is 3"));
+  EXPECT_THAT(corrected.results[0].reason, HasSubstr("row 2 tree 1 is already landmark 3"));
   EXPECT_EQ(corrected.results[1].outcome, Outcome::kApplied);
   EXPECT_EQ(corrected.results[2].outcome, Outcome::kConflict);
   EXPECT_EQ(corrected.results[3].outcome, Outcome::kConflict);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/rows/navigation_graph.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,23 +24,53 @@ Line line_of(const Row& row) {
   return line;
 }
 
-/// Distance to the right from a point to the nearest crossing of a line with the normal.
-std::optional<double> right_distance_m(const LinePoint& at, const Line& line) {
+/// A line with boxes around runs of its segments, so that a search passes over what is far away.
+struct BoxedLine {
+  static constexpr std::size_t kRun_segments = 16;
+
+  explicit BoxedLine(const Line& points) : line(points) {
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      if ((i - 1) % kRun_segments == 0) runs.emplace_back(line[i - 1]);
+      runs.back().extend(line[i]);
+    }
+    for (const Eigen::AlignedBox2d& run : runs) box.extend(run);
+  }
+
+  const Line& line;
+  std::vector<Eigen::AlignedBox2d> runs;
+  Eigen::AlignedBox2d box;
+};
+
+/// Distance to the right from a point to the nearest crossing of a line with the normal, if that is
+/// at most `reach_m`.
+std::optional<double> right_distance_m(const LinePoint& at, const BoxedLine& boxed,
+                                       double reach_m) {
+  constexpr double kRounding_m = 1e-6;
+  const Line& line = boxed.line;
+  const auto is_far = [&](const Eigen::AlignedBox2d& box) {
+    return box.exteriorDistance(at.p) > reach_m + kRounding_m;
+  };
   std::optional<double> nearest_m;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const double a = at.along.dot(line[i - 1] - at.p), b = at.along.dot(line[i] - at.p);
-    if ((a > 0.0) == (b > 0.0) && a != 0.0 && b != 0.0) continue;
-    const double fraction = a == b ? 0.0 : a / (a - b);
-    const double d_m =
-        right_of(at.along).dot(line[i - 1] + fraction * (line[i] - line[i - 1]) - at.p);
-    if (d_m > 0.0 && (!nearest_m || d_m < *nearest_m)) nearest_m = d_m;
+  if (is_far(boxed.box)) return nearest_m;
+  for (std::size_t run = 0; run < boxed.runs.size(); ++run) {
+    if (is_far(boxed.runs[run])) continue;
+    const std::size_t begin = 1 + run * BoxedLine::kRun_segments;
+    const std::size_t end = std::min(begin + BoxedLine::kRun_segments, line.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      const double a = at.along.dot(line[i - 1] - at.p), b = at.along.dot(line[i] - at.p);
+      if ((a > 0.0) == (b > 0.0) && a != 0.0 && b != 0.0) continue;
+      const double fraction = a == b ? 0.0 : a / (a - b);
+      const double d_m =
+          right_of(at.along).dot(line[i - 1] + fraction * (line[i] - line[i - 1]) - at.p);
+      if (d_m > 0.0 && d_m <= reach_m && (!nearest_m || d_m < *nearest_m)) nearest_m = d_m;
+    }
   }
   return nearest_m;
 }
 
 /// The row that is the nearest to the right of row r at most of its sample points; -1 for none.
 int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
-                    const std::vector<Line>& lines, std::size_t r) {
+                    const std::vector<BoxedLine>& lines, std::size_t r) {
   constexpr std::size_t kSamples = 9;
   std::map<int, int> votes;
   for (std::size_t k = 0; k < kSamples; ++k) {
@@ -49,7 +80,7 @@ int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
     double nearest_m = kSideReach_m;
     for (std::size_t q = 0; q < lines.size(); ++q) {
       if (q == r) continue;
-      const auto d_m = right_distance_m(at, lines[q]);
+      const auto d_m = right_distance_m(at, lines[q], nearest_m);
       if (d_m && *d_m < nearest_m) {
         nearest_m = *d_m;
         nearest = static_cast<int>(q);
@@ -72,7 +103,7 @@ struct Alley {
   std::int32_t from = 0, to = 0;  ///< node ids
 };
 
-Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
+Alley alley_between(const std::vector<LinePoint>& walk, const BoxedLine& right) {
   Alley best, run;
   std::vector<double> distances_m, best_distances_m;
   const auto take = [&] {
@@ -84,8 +115,8 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
     distances_m.clear();
   };
   for (const LinePoint& at : walk) {
-    const auto d_m = right_distance_m(at, right);
-    if (!d_m || *d_m > kSideReach_m) {
+    const auto d_m = right_distance_m(at, right, kSideReach_m);
+    if (!d_m) {
       take();
       continue;
     }
@@ -100,12 +131,13 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
 std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
   std::vector<std::vector<LinePoint>> walks;
   for (const Line& line : lines) walks.push_back(sample_line(line, kWayStep_m));
+  const std::vector<BoxedLine> boxed(lines.begin(), lines.end());
   std::vector<Alley> alleys;
   std::vector<double> distances_m;
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    const int q = right_neighbour(walks, lines, r);
+    const int q = right_neighbour(walks, boxed, r);
     if (q < 0) continue;
-    Alley alley = alley_between(walks[r], lines[static_cast<std::size_t>(q)]);
+    Alley alley = alley_between(walks[r], boxed[static_cast<std::size_t>(q)]);
     if (alley.middle.size() < 2) continue;
     alley.left = r;
     alley.right = static_cast<std::size_t>(q);

@@ -42,16 +42,21 @@ double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map,
 /// For each angle, the number of neighbours on the line through tree i (soft count).
 Votes votes_of(const std::vector<Eigen::Vector2d>& p_map, const std::vector<std::int32_t>& near,
                std::size_t i, double spacing_m) {
+  static const std::array<Eigen::Vector2d, kNumAngles> axes = [] {
+    std::array<Eigen::Vector2d, kNumAngles> unit;
+    for (std::size_t k = 0; k < unit.size(); ++k) {
+      const double angle_rad = static_cast<double>(k) * kAngleStep_rad;
+      unit[k] = {std::cos(angle_rad), std::sin(angle_rad)};
+    }
+    return unit;
+  }();
   Votes votes{};
   const double beside_m = kBeside_spacings * spacing_m;
   for (const std::int32_t j : near) {
     const Eigen::Vector2d d = p_map[static_cast<std::size_t>(j)] - p_map[i];
-    for (int k = 0; k < kNumAngles; ++k) {
-      const double angle_rad = k * kAngleStep_rad;
-      const double beside = (std::cos(angle_rad) * d.y() - std::sin(angle_rad) * d.x()) / beside_m;
-      if (std::abs(beside) < 3.0) {
-        votes[static_cast<std::size_t>(k)] += static_cast<float>(std::exp(-0.5 * beside * beside));
-      }
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      const double beside = (axes[k].x() * d.y() - axes[k].y() * d.x()) / beside_m;
+      if (std::abs(beside) < 3.0) votes[k] += static_cast<float>(std::exp(-0.5 * beside * beside));
     }
   }
   return votes;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/rows/row_evidence.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -80,20 +82,78 @@ std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChai
   return geometry::median(std::move(distances_m));
 }
 
+/// The chains within a distance of one of them, without a look at all others: chains sorted across
+/// the direction of the longest one.
+class ChainNeighbours {
+ public:
+  ChainNeighbours(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains) {
+    Vector2d direction = Vector2d::UnitX();
+    double longest_m = 0.0;
+    for (const RowChain& chain : chains) {
+      const Vector2d along = at(p_map, chain.back()) - at(p_map, chain.front());
+      if (along.norm() > longest_m) longest_m = along.norm(), direction = along / longest_m;
+    }
+    for (const RowChain& chain : chains) {
+      Eigen::AlignedBox2d box;
+      for (const std::int32_t i : chain) {
+        const Vector2d& p = at(p_map, i);
+        box.extend(Vector2d(direction.dot(p), direction.x() * p.y() - direction.y() * p.x()));
+      }
+      widest_m_ = std::max(widest_m_, box.sizes().y());
+      boxes_.push_back(box);
+    }
+    sorted_.resize(chains.size());
+    std::iota(sorted_.begin(), sorted_.end(), std::size_t{0});
+    std::stable_sort(sorted_.begin(), sorted_.end(), [&](std::size_t a, std::size_t b) {
+      return boxes_[a].min().y() < boxes_[b].min().y();
+    });
+    rank_.resize(chains.size());
+    for (std::size_t r = 0; r < sorted_.size(); ++r) rank_[sorted_[r]] = r;
+  }
+
+  /// Calls `visit(b, reach_m)` for each other chain b whose trees may be within `reach_m` of those
+  /// of chain a; a visit may shorten the reach.
+  template <typename Visit>
+  void visit_near(std::size_t a, double reach_m, Visit visit) const {
+    const double low = boxes_[a].min().y(), high = boxes_[a].max().y();
+    const auto visit_if_near = [&](std::size_t b) {
+      if (boxes_[a].exteriorDistance(boxes_[b]) <= reach_m + kRounding_m) visit(b, reach_m);
+    };
+    for (std::size_t r = rank_[a] + 1; r < sorted_.size(); ++r) {
+      if (boxes_[sorted_[r]].min().y() > high + reach_m + kRounding_m) break;
+      visit_if_near(sorted_[r]);
+    }
+    for (std::size_t r = rank_[a]; r-- > 0;) {
+      if (boxes_[sorted_[r]].min().y() + widest_m_ < low - reach_m - kRounding_m) break;
+      visit_if_near(sorted_[r]);
+    }
+  }
+
+ private:
+  /// Boxes are in a turned frame, so that distances differ by rounding.
+  static constexpr double kRounding_m = 1e-6;
+
+  std::vector<Eigen::AlignedBox2d> boxes_;  ///< per chain: along and across the direction (m)
+  std::vector<std::size_t> sorted_,
+      rank_;               ///< chains by the low side of their box, and its inverse
+  double widest_m_ = 0.0;  ///< max size of a box across the direction
+};
+
 /// Typical distance of rows: median distance to the nearest neighbour, among chains with at least
 /// half the maximum log odds; 0 if none are beside each other.
 double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains,
-               const std::vector<double>& log_odds) {
+               const ChainNeighbours& neighbours, const std::vector<double>& log_odds) {
   const double surest = *std::max_element(log_odds.begin(), log_odds.end());
   std::vector<double> pitches_m;
   for (std::size_t a = 0; a < chains.size(); ++a) {
-    std::optional<double> nearest_m;
-    for (std::size_t b = 0; b < chains.size(); ++b) {
-      if (a == b || std::min(log_odds[a], log_odds[b]) < 0.5 * surest) continue;
+    if (log_odds[a] < 0.5 * surest) continue;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    neighbours.visit_near(a, nearest_m, [&](std::size_t b, double& reach_m) {
+      if (log_odds[b] < 0.5 * surest) return;
       const auto distance_m = beside_m(p_map, chains[a], chains[b]);
-      if (distance_m && (!nearest_m || *distance_m < *nearest_m)) nearest_m = distance_m;
-    }
-    if (nearest_m) pitches_m.push_back(*nearest_m);
+      if (distance_m) reach_m = nearest_m = std::min(nearest_m, *distance_m);
+    });
+    if (std::isfinite(nearest_m)) pitches_m.push_back(nearest_m);
   }
   return pitches_m.empty() ? 0.0 : geometry::median(std::move(pitches_m));
 }
@@ -146,21 +206,25 @@ void drop_irregular_chains(const std::vector<Vector2d>& p_map, std::vector<RowCh
   }
   chains.clear();
   if (regular.empty()) return;
-  const double nearest_m = kNearest_pitches * pitch_m(p_map, regular, log_odds);
+  const ChainNeighbours neighbours(p_map, regular);
+  const double nearest_m = kNearest_pitches * pitch_m(p_map, regular, neighbours, log_odds);
   std::vector<std::size_t> by_odds(regular.size());
   std::iota(by_odds.begin(), by_odds.end(), std::size_t{0});
   std::stable_sort(by_odds.begin(), by_odds.end(),
                    [&](std::size_t a, std::size_t b) { return log_odds[a] > log_odds[b]; });
-  std::vector<std::size_t> kept;
+  std::vector<char> is_kept(regular.size(), 0);
   for (const std::size_t a : by_odds) {
-    const bool crowds = std::any_of(kept.begin(), kept.end(), [&](std::size_t b) {
+    bool crowds = false;
+    neighbours.visit_near(a, nearest_m, [&](std::size_t b, double&) {
+      if (crowds || !is_kept[b]) return;
       const auto distance_m = beside_m(p_map, regular[a], regular[b]);
-      return distance_m && *distance_m < nearest_m;
+      crowds = distance_m && *distance_m < nearest_m;
     });
-    if (!crowds) kept.push_back(a);
+    is_kept[a] = !crowds;
   }
-  std::sort(kept.begin(), kept.end());
-  for (const std::size_t a : kept) chains.push_back(std::move(regular[a]));
+  for (std::size_t a = 0; a < regular.size(); ++a) {
+    if (is_kept[a]) chains.push_back(std::move(regular[a]));
+  }
 }
 
 }  // namespace orchard::mapping

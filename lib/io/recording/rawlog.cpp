@@ -107,9 +107,9 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
   } catch (const std::exception& error) {
     mistake = error.what();
   }
-  const bool told =
+  const bool is_written =
       ::write(pipe_end, mistake.data(), mistake.size()) == static_cast<ssize_t>(mistake.size());
-  ::_exit(told ? 0 : 1);
+  ::_exit(is_written ? 0 : 1);
 }
 
 /// Reads the file in a child process first, because MRPT crashes on some damage (a class name

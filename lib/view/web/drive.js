@@ -171,10 +171,10 @@ class Drive {
       const answer = await this.fetch(`api/step?at=${step}`);
       this.panels.showConnection(true);
       if (answer.ok) {
-        const told = await answer.json();
-        this.points = told.points || [];
-        this.pointsStep = told.step;
-        if (told.look) this.panels.showLook(told.look, this.app.theme);
+        const reply = await answer.json();
+        this.points = reply.points || [];
+        this.pointsStep = reply.step;
+        if (reply.look) this.panels.showLook(reply.look, this.app.theme);
         this.app.redraw();
       }
     } catch (error) {

@@ -113,8 +113,8 @@ class Editor {
     try {
       const answer = await fetch("api/edit", { method: "POST", headers: { "Content-Type": "application/json" },
         body: JSON.stringify({ ...edit, who: this.who.value.trim() }) });
-      const told = await answer.json().catch(() => ({ problem: `Not saved: the viewer refused the correction (${answer.status}).` }));
-      this.say(told.words || told.problem, !answer.ok);
+      const reply = await answer.json().catch(() => ({ problem: `Not saved: the viewer refused the correction (${answer.status}).` }));
+      this.say(reply.words || reply.problem, !answer.ok);
     } catch (error) {
       this.say("Not saved: the viewer does not answer. Check that it is running.", true);
     }

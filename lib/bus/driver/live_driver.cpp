@@ -147,8 +147,9 @@ Status LiveDriver::status() const {
   };
   const Clock::time_point now = Clock::now();
   add(Level::kWarning, peers_.text(now));
-  if (const std::string twin = peers_.twin(now); !twin.empty()) {
-    add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
+  if (const std::string duplicate = peers_.duplicate(now); !duplicate.empty()) {
+    add(Level::kError,
+        duplicate + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   if (bus_.counts().num_unsent > 0) status.level = std::max(status.level, Level::kWarning);
   return status;

@@ -151,7 +151,7 @@ void LiveNode::require_single_instance() const {
   const Clock::time_point now = Clock::now();
   if (!alone_ || now - start_ > kGiveWay) return;
   if (!peers_.twin_is_older(report_.num_sent(), now)) return;
-  throw std::runtime_error(peers_.twin(now) + " is already running on " + bus_.url() +
+  throw std::runtime_error(peers_.duplicate(now) + " is already running on " + bus_.url() +
                            ": stop it first, or set another lcm.url for this process");
 }
 
@@ -260,8 +260,9 @@ Status LiveNode::status() const {
     status.text += (status.text.empty() ? "" : "; ") + text;
   };
   const Clock::time_point now = Clock::now();
-  if (const std::string twin = peers_.twin(now); !twin.empty()) {
-    add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
+  if (const std::string duplicate = peers_.duplicate(now); !duplicate.empty()) {
+    add(Level::kError,
+        duplicate + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   add(Level::kWarning, node_.warning());
   std::string inputs;

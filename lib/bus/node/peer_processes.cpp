@@ -80,21 +80,22 @@ double PeerProcesses::check_clock(std::int64_t wall_utime, Clock::time_point now
   return clock_step_s_;
 }
 
-const PeerProcesses::Process* PeerProcesses::find_twin(Clock::time_point now) const {
+const PeerProcesses::Process* PeerProcesses::find_duplicate(Clock::time_point now) const {
   for (const Process& process : processes_) {
     if (process.name == name_ && now - process.heard <= kGoneAfter) return &process;
   }
   return nullptr;
 }
 
-std::string PeerProcesses::twin(Clock::time_point now) const {
-  const Process* twin = find_twin(now);
-  return twin == nullptr ? "" : twin->name + " on " + twin->host;
+std::string PeerProcesses::duplicate(Clock::time_point now) const {
+  const Process* duplicate = find_duplicate(now);
+  return duplicate == nullptr ? "" : duplicate->name + " on " + duplicate->host;
 }
 
 bool PeerProcesses::twin_is_older(std::int32_t own_seq, Clock::time_point now) const {
-  const Process* twin = find_twin(now);
-  return twin != nullptr && (twin->seq > own_seq || (twin->seq == own_seq && twin->host < host_));
+  const Process* duplicate = find_duplicate(now);
+  return duplicate != nullptr &&
+         (duplicate->seq > own_seq || (duplicate->seq == own_seq && duplicate->host < host_));
 }
 
 std::string PeerProcesses::named(const std::string& part, Clock::time_point now) const {

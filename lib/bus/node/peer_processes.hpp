@@ -32,7 +32,7 @@ class PeerProcesses {
   double check_clock(std::int64_t wall_utime, Clock::time_point now);
 
   /// Another running process of the same name ("orchard-mapper on robot:4711"), or empty.
-  std::string twin(Clock::time_point now) const;
+  std::string duplicate(Clock::time_point now) const;
 
   /// Whether that process has been running longer than this one, which has sent `own_seq` STATUS.
   bool twin_is_older(std::int32_t own_seq, Clock::time_point now) const;
@@ -56,7 +56,7 @@ class PeerProcesses {
     std::int64_t hash = 0;
     Clock::time_point heard;
   };
-  const Process* find_twin(Clock::time_point now) const;
+  const Process* find_duplicate(Clock::time_point now) const;
 
   std::string name_;
   std::string host_;

@@ -49,10 +49,10 @@ Status status_beside(const std::string& name, std::int64_t ahead_us) {
 }
 
 TEST(LiveDriver, NamesASecondOneAndAnotherClock) {
-  const Status twin = status_beside("orchard-toy-driver", 0);
-  EXPECT_EQ(twin.level, Level::kError);
-  EXPECT_NE(twin.text.find("orchard-toy-driver on elsewhere:7 runs beside"), std::string::npos)
-      << twin.text;
+  const Status duplicate = status_beside("orchard-toy-driver", 0);
+  EXPECT_EQ(duplicate.level, Level::kError);
+  EXPECT_NE(duplicate.text.find("orchard-toy-driver on elsewhere:7 runs beside"), std::string::npos)
+      << duplicate.text;
   const Status skewed = status_beside("orchard-pose", 200'000'000);
   EXPECT_EQ(skewed.level, Level::kWarning);
   EXPECT_NE(skewed.text.find("the clock of elsewhere is"), std::string::npos) << skewed.text;

@@ -27,13 +27,13 @@ TEST(PeerProcesses, NamesASecondOfItsNameAndForgetsIt) {
   PeerProcesses mine("orchard-mapper", "robot:1", 7);
   EXPECT_FALSE(mine.note(status_of("orchard-mapper", "robot:1", 3), kWall, Time())) << "itself";
   EXPECT_TRUE(mine.note(status_of("orchard-pose", "robot:2", 3), kWall, Time()));
-  EXPECT_TRUE(mine.twin(Time()).empty());
+  EXPECT_TRUE(mine.duplicate(Time()).empty());
   EXPECT_TRUE(mine.note(status_of("orchard-mapper", "laptop:1", 3), kWall, Time()));
   EXPECT_FALSE(mine.note(status_of("orchard-mapper", "laptop:1", 4), kWall, Time())) << "known";
-  EXPECT_EQ(mine.twin(Time()), "orchard-mapper on laptop:1");
+  EXPECT_EQ(mine.duplicate(Time()), "orchard-mapper on laptop:1");
   EXPECT_TRUE(mine.twin_is_older(3, Time()));
   EXPECT_FALSE(mine.twin_is_older(5, Time()));
-  EXPECT_TRUE(mine.twin(Time() + seconds(4)).empty());
+  EXPECT_TRUE(mine.duplicate(Time() + seconds(4)).empty());
 }
 
 TEST(PeerProcesses, OfTwoThatBeginTogetherExactlyOneIsOlder) {

@@ -37,7 +37,9 @@ cmake --preset "$preset" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DORCHARD_JA
   "${launcher[@]}" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; exit 1; }
 
 export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$PWD/.ci/tsan_suppressions.txt"
+export LSAN_OPTIONS="suppressions=$PWD/.ci/lsan_suppressions.txt print_suppressions=0"
 export UBSAN_OPTIONS=print_stacktrace=1
+export ORCHARD_SANITIZED=yes  # tests leave out limits on memory and processor
 if [ $all = yes ]; then
   ninja -C "$folder" -j "$jobs"
   # Ten times as long: sanitizers are that slow.

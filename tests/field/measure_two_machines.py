@@ -42,7 +42,8 @@ class Terminal:
             file.write('#!/bin/sh\nexec "$@"\n')  # the namespaces' user is root already
         os.chmod(os.path.join(tools, "sudo"), 0o755)
         env = {"PATH": f"{tools}:{bench.build}/bin:/usr/sbin:/usr/bin:/sbin:/bin", "HOME": self.home,
-               "LC_ALL": "C.UTF-8"}
+               "LC_ALL": "C.UTF-8",
+               **{name: value for name, value in os.environ.items() if name.endswith("SAN_OPTIONS")}}
         self.said = os.path.join(self.home, "terminal.txt")
         with open(self.said, "wb") as file:
             self.shell = subprocess.Popen(host.enter + ["bash"], stdin=subprocess.PIPE, stdout=file,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <set>
+#include <vector>
 
 namespace orchard::test {
 namespace {
@@ -97,7 +98,8 @@ TEST(AlteredDrive, BackwardsEndsWhereTheDriveBegan) {
 TEST(AlteredDrive, NoiseIsOfItsSeed) {
   const auto noisier = find_alteration("noisier");
   const auto range = [&](std::uint64_t seed) {
-    for (const float r : alter(drive_past_a_trunk(), *noisier, seed)[3].scan.ranges_m) {
+    const std::vector<Station> drive = alter(drive_past_a_trunk(), *noisier, seed);
+    for (const float r : drive[3].scan.ranges_m) {
       if (r > 0.0f) return r;
     }
     return 0.0f;

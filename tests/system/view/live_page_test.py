@@ -166,7 +166,10 @@ def main():
             viewer = pid_of(live.pid, "orchard-viewer")
             size = resident_kb(viewer)
             print(f"the viewer's largest size after {NUM_REQUESTS} requests: {size / 1024:.1f} MB")
-            assert size < RESIDENT_MOST_KB, size
+            if os.environ.get("ORCHARD_SANITIZED"):
+                print("skipped: the limit on memory, as a sanitizer keeps notes of its own")
+            else:
+                assert size < RESIDENT_MOST_KB, size
             assert reading.poll() is None
             for client in deaf:
                 client.close()

@@ -11,7 +11,8 @@ namespace orchard::io {
 
 std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t start_utime) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // reported below
-  auto video = std::make_shared<cv::VideoCapture>(path);
+  // Files only: the other backends would ask every USB device whether it is a camera.
+  auto video = std::make_shared<cv::VideoCapture>(path, cv::CAP_FFMPEG);
   if (!video->isOpened()) {
     throw FileError(path + ": cannot be read as a video; give a video file such as .avi or .mp4");
   }

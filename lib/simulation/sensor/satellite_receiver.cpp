@@ -24,9 +24,9 @@ bool SatelliteReceiver::under_canopy(double x_m, double y_m) const {
   if (along_m < 0.0 || along_m > (orchard_.trees_per_row - 1) * orchard_.tree_spacing_m) {
     return false;
   }
-  const auto alley = static_cast<std::int64_t>(std::llround(x_m / orchard_.row_spacing_m));
-  const auto stretch = static_cast<std::int64_t>(along_m / config_.canopy_length_m);
-  Random random(seed_, Stream::kCanopy, static_cast<std::uint64_t>((alley << 32) + stretch));
+  const auto alley = static_cast<std::uint64_t>(std::llround(x_m / orchard_.row_spacing_m));
+  const auto stretch = static_cast<std::uint64_t>(along_m / config_.canopy_length_m);
+  Random random(seed_, Stream::kCanopy, (alley << 32) + stretch);
   return random.uniform() < config_.canopy_fraction;
 }
 

@@ -187,37 +187,50 @@ struct Judged {
   }
 };
 
-/// Mean area under the ROC curve on all other folds, for fits to one fold.
-double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
-  double area = 0.0;
+/// Areas under the ROC curve of left-out folds: their mean and its standard error.
+struct AreaOfFolds {
+  double mean = 0.0;
+  double se = 0.0;
+};
+
+AreaOfFolds area_of_left_out(const std::vector<Fold>& folds, const Shape& shape) {
+  const auto n = static_cast<double>(folds.size());
+  double sum = 0.0, squares = 0.0;
   for (const Fold& fold : folds) {
     Judged judged;
-    judged.add(fold.outside, fit(fold.inside, shape));
-    area += geometry::roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+    judged.add(fold.inside, fit(fold.outside, shape));
+    const double area = geometry::roc_area(judged.trunk, judged.other);
+    sum += area;
+    squares += area * area;
   }
-  return area;
+  const double mean = sum / n;
+  const double variance = n > 1.0 ? (squares - n * mean * mean) / (n - 1.0) : 0.0;
+  return {mean, std::sqrt(std::max(variance, 0.0) / n)};
 }
 
-/// Selects the strongest penalty for which a fit to one fold ranks all other folds best. Fitting to
-/// few groups and testing on many favours models that generalise, because an orchard has more trees
-/// and more kinds of light than the training data. Squares are used only if they improve this test.
+/// Selects the best model on left-out folds, and of its kind the strongest penalty that is within
+/// one standard error of it: an orchard has more trees and more kinds of light than the training
+/// data. Source: Breiman et al. 1984, the one standard error rule.
 Shape choose_shape(const std::vector<Fold>& folds, const AppearanceLearnOptions& options) {
-  constexpr double kAlike = 1e-4;  // smaller differences of areas are not significant
   if (folds.empty()) return {options.penalties.at(options.penalties.size() / 2), false};
-  double best_area = 0.0;
+  AreaOfFolds best_area;
   Shape best;
+  std::vector<AreaOfFolds> areas_of_best;
   for (const bool squares : {false, true}) {
-    std::vector<double> areas;
+    std::vector<AreaOfFolds> areas;
+    bool better = false;
     for (const double penalty : options.penalties) {
-      areas.push_back(area_of_others(folds, {penalty, squares}));
+      areas.push_back(area_of_left_out(folds, {penalty, squares}));
+      if (areas.back().mean <= best_area.mean) continue;
+      best_area = areas.back();
+      best = {penalty, squares};
+      better = true;
     }
-    const double area = *std::max_element(areas.begin(), areas.end());
-    if (area <= best_area + kAlike) continue;
-    best_area = area;
-    best = {0.0, squares};
-    for (std::size_t i = 0; i < areas.size(); ++i) {
-      if (areas[i] >= area - kAlike) best.penalty = std::max(best.penalty, options.penalties[i]);
-    }
+    if (better) areas_of_best = areas;
+  }
+  for (std::size_t i = 0; i < areas_of_best.size(); ++i) {
+    if (areas_of_best[i].mean < best_area.mean - best_area.se) continue;
+    best.penalty = std::max(best.penalty, options.penalties[i]);
   }
   return best;
 }

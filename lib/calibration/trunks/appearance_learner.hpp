@@ -36,9 +36,9 @@ struct AppearanceFit {
 };
 
 /// Learns the appearance model of trunks: a logistic regression on standardised features with equal
-/// class weights. The ridge penalty is the strongest for which fits to one fold rank all other
-/// folds best (the middle one of those given if there are no folds); squares of the features are
-/// included if the same test improves. Finally the log odds are calibrated on left-out groups.
+/// class weights. Squares of the features are included if left-out folds are then ranked better,
+/// and the ridge penalty is the strongest within one standard error of the best (the middle one of
+/// those given if there are no folds). Finally the log odds are calibrated on left-out groups.
 ///
 /// Deterministic for the same samples in the same order. Throws std::runtime_error with one
 /// sentence for fewer than ten windows of a class or a feature that is not finite.

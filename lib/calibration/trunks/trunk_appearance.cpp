@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 
 #include "geometry/statistics.hpp"
@@ -73,9 +74,9 @@ bool may_be_trunk(const ObservedObject& seen, const TrunkModel& model, double li
          std::abs(seen.median_width_m - model.width_mean_m) <= limit_m;
 }
 
-double mean_confidence(const ObservedObject& seen,
-                       const std::vector<TrunkObservation>& observations,
-                       const vision::AppearanceConfig& config) {
+std::optional<double> mean_confidence(const ObservedObject& seen,
+                                      const std::vector<TrunkObservation>& observations,
+                                      const vision::AppearanceConfig& config) {
   double sum = 0.0, n = 0.0;
   for (const std::size_t i : spread(seen.observations)) {
     for (const WindowObservation& window : observations[i].on) {
@@ -83,7 +84,8 @@ double mean_confidence(const ObservedObject& seen,
       n += 1.0;
     }
   }
-  return n > 0.0 ? sum / n : 1.0;
+  if (n <= 0.0) return std::nullopt;
+  return sum / n;
 }
 
 }  // namespace
@@ -118,18 +120,43 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
     }
   }
   TrunkAppearance appearance;
-  appearance.fit = learn_appearance(samples);
+  const AppearanceFit first = learn_appearance(samples);
   const std::size_t num_sure = samples.size();
   for (const std::size_t thing : doubtful) {
     const ObservedObject& seen = model.things[thing];
-    if (mean_confidence(seen, observations, appearance.fit.config) > kSurelyNone) continue;
+    const auto confidence = mean_confidence(seen, observations, first.config);
+    if (!confidence) continue;
+    const double off_m = std::abs(seen.median_width_m - model.width_mean_m);
+    if (*confidence >= first.config.confidence_min &&
+        off_m <= model.width_spread * model.width_mean_m) {
+      appearance.likely_trunks.push_back(static_cast<int>(thing) + 1);
+    }
+    if (*confidence > kSurelyNone) continue;
     for (const std::size_t i : spread(seen.observations)) {
       for (const auto& window : observations[i].on) take(window, false, static_cast<int>(thing));
     }
   }
-  if (samples.size() > num_sure) appearance.fit = learn_appearance(samples);
+  appearance.fit = samples.size() > num_sure ? learn_appearance(samples) : first;
   appearance.hue_interval_area = geometry::roc_area(hue_trunk, hue_other);
   return appearance;
+}
+
+TrunkModel with_likely_trunks(const std::vector<TrunkObservation>& observations,
+                              const TrunkModel& model, TrunkModelOptions options,
+                              const vision::ColourConfig& colour) {
+  if (model.is_picked || !model.has_hue) return model;
+  TrunkModel all = model;
+  try {
+    while (true) {  // each round adds at least one object
+      const auto likely = learn_trunk_appearance(observations, all, colour).likely_trunks;
+      options.added.insert(options.added.end(), likely.begin(), likely.end());
+      TrunkModel more = estimate_trunk_model(observations, options);
+      if (more.num_trunks <= all.num_trunks) return all;
+      all = std::move(more);
+    }
+  } catch (const std::runtime_error&) {
+    return all;
+  }
 }
 
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,

@@ -13,6 +13,9 @@ namespace orchard::calibration {
 struct TrunkAppearance {
   AppearanceFit fit;               ///< its area is measured on left-out trunks
   double hue_interval_area = 0.5;  ///< measured on the windows that gave the interval
+  /// Numbers (from 1) of objects as wide as a trunk that were not chosen, and that a model learnt
+  /// from the rest takes for trunks.
+  std::vector<int> likely_trunks;
 };
 
 /// Learns the appearance of the model's trunks. Windows between their edges are positives; windows
@@ -25,6 +28,12 @@ struct TrunkAppearance {
 /// measured with. Throws std::runtime_error with one sentence for too few windows of a class.
 TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& observations,
                                        const TrunkModel& model, const vision::ColourConfig& colour);
+
+/// The model with the likely trunks added: trunks with a neighbour or few observations, which are
+/// not chosen at first. `model` if it was picked by the user, or if no appearance can be learnt.
+TrunkModel with_likely_trunks(const std::vector<TrunkObservation>& observations,
+                              const TrunkModel& model, TrunkModelOptions options,
+                              const vision::ColourConfig& colour);
 
 /// Median colour over the trunks; none without usable pixels.
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,

@@ -21,8 +21,8 @@ constexpr std::int64_t kLostAfter_us = 1'000'000;
 /// Observations beyond this many robust standard deviations are segmentation errors, not scatter.
 constexpr double kOutlier = 3.5;
 /// Max difference of two trunks' colours in the logs of blue and of red over green. Light of 5500
-/// and of 10000 K (sun, open shade) differs by 0.3, bark of saturation 0.04 and of 0.42 by 0.4. The
-/// hue of bark so pale says nothing; painted things differ by 1 and more.
+/// and of 10000 K (sun, open shade) differs by 0.3, bark of saturation 0.04 and of 0.42 by 0.4;
+/// both together by 0.5. The hue of bark so pale says nothing; painted things differ by 1 and more.
 constexpr double kSameColour = 0.5;
 
 struct Thing {
@@ -297,6 +297,10 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
                              std::to_string(options.min_observations) +
                              " times or more; drive past trunks more slowly or nearer");
   }
+  for (const std::size_t i : picked_by_number(things, options.added)) {
+    if (things[i].seen.num_observations < options.min_observations) continue;
+    if (std::find(trunks.begin(), trunks.end(), i) == trunks.end()) trunks.push_back(i);
+  }
   return trunks;
 }
 
@@ -358,18 +362,21 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
   for (const std::size_t i : trunks) things[i].seen.is_trunk = true;
 
   std::vector<std::size_t> used;
+  std::vector<int> trunk_of(observations.size());
   for (const Thing& thing : things) {
     model.things.push_back(thing.seen);
     if (!thing.seen.is_trunk) continue;
     ++model.num_trunks;
     used.insert(used.end(), thing.seen.observations.begin(), thing.seen.observations.end());
+    for (const std::size_t i : thing.seen.observations) trunk_of[i] = model.num_trunks;
   }
   const std::vector<double> all_m = widths_without_spot(observations, options, model);
   measure_width(all_m, used, model);
   model.num_observations = static_cast<int>(used.size());
   std::vector<WidthObservation> widths;
   for (const std::size_t i : used) {
-    widths.push_back({observations[i].range_m, observations[i].beam_step_rad, all_m[i]});
+    widths.push_back(
+        {observations[i].range_m, observations[i].beam_step_rad, all_m[i], trunk_of[i]});
   }
   model.width_by_range = width_by_range(std::move(widths));
   if (model.has_hue) {

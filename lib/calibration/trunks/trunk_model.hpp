@@ -33,6 +33,7 @@ struct TrunkModelOptions {
   double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
   std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic
   std::vector<PickedTrunk> picked_trunks;  ///< or positions of the trunks in map
+  std::vector<int> added;  ///< numbers of objects that are trunks besides those found automatically
 };
 
 /// One object that was observed several times.

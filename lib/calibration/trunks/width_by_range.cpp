@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <tuple>
+
+#include "geometry/statistics.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -13,50 +16,129 @@ constexpr std::size_t kMaxBins = 6;
 constexpr std::size_t kMinPerBin = 12;
 /// Min ratio of farthest to nearest bin for a fit of the growth.
 constexpr double kMinRatio = 1.5;
+/// The predictive t distribution has a variance from so many trunks on.
+constexpr double kMinTrunks = 4.0;
 
-/// A bin and its mean of (range x step)^2, to which the growing part of the variance is
-/// proportional.
-struct Moments {
-  WidthBin bin;
-  double beam_m2 = 0.0;
+/// The observations of one trunk.
+struct TrunkSum {
+  double n = 0.0;
+  double mean_m = 0.0;
+  double mean_variance_m2 = 0.0;  ///< of its mean by the scatter of its observations
 };
 
-Moments moments_of(const std::vector<WidthObservation>& observations, std::size_t first,
-                   std::size_t last) {
-  Moments m;
-  m.bin = {observations[first].range_m, observations[last - 1].range_m,
-           static_cast<int>(last - first), 0.0, 0.0};
-  const auto n = static_cast<double>(last - first);
-  for (std::size_t i = first; i < last; ++i) {
-    const double beam_m = observations[i].range_m * observations[i].beam_step_rad;
-    m.bin.mean_m += observations[i].width_m / n;
-    m.beam_m2 += beam_m * beam_m / n;
-  }
-  double squares_m2 = 0.0;
-  for (std::size_t i = first; i < last; ++i) {
-    squares_m2 +=
-        (observations[i].width_m - m.bin.mean_m) * (observations[i].width_m - m.bin.mean_m);
-  }
-  m.bin.sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
-  return m;
+/// The variance of observations about their trunk's mean at about one range. The growing part is
+/// proportional to beam_m2, the mean of (range x step)^2.
+struct Scatter {
+  double n = 0.0;
+  double beam_m2 = 0.0;
+  double variance_m2 = 0.0;
+};
+
+/// variance = constant + growth x beam_m2; both >= 0.
+struct Law {
+  double constant_m2 = 0.0;
+  double growth = 0.0;
+};
+
+std::size_t num_bins_of(std::size_t num_observations) {
+  return std::clamp<std::size_t>(num_observations / kMinPerBin, std::size_t{1}, kMaxBins);
 }
 
-/// Fits variance = constant + growth x beam_m2; both >= 0.
-std::pair<double, double> fit(const std::vector<Moments>& bins) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-  for (const Moments& m : bins) {
-    const double weight = m.bin.num_observations, variance = m.bin.sd_m * m.bin.sd_m;
-    n += weight;
-    x += weight * m.beam_m2;
-    y += weight * variance;
-    xx += weight * m.beam_m2 * m.beam_m2;
-    xy += weight * m.beam_m2 * variance;
+double beam_m2(const WidthObservation& observation) {
+  return geometry::square(observation.range_m * observation.beam_step_rad);
+}
+
+WidthBin bin_of(const std::vector<WidthObservation>& observations, std::size_t first,
+                std::size_t last) {
+  WidthBin bin{observations[first].range_m, observations[last - 1].range_m,
+               static_cast<int>(last - first), 0.0, 0.0};
+  const auto n = static_cast<double>(last - first);
+  for (std::size_t i = first; i < last; ++i) bin.mean_m += observations[i].width_m / n;
+  double squares_m2 = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    squares_m2 += geometry::square(observations[i].width_m - bin.mean_m);
   }
+  bin.sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
+  return bin;
+}
+
+std::map<int, TrunkSum> trunks_of(const std::vector<WidthObservation>& observations) {
+  std::map<int, TrunkSum> trunks;
+  for (const WidthObservation& observation : observations) {
+    TrunkSum& trunk = trunks[observation.trunk];
+    trunk.n += 1.0;
+    trunk.mean_m += (observation.width_m - trunk.mean_m) / trunk.n;
+  }
+  return trunks;
+}
+
+/// The scatter within trunks, in bins of range; empty if each trunk was observed once.
+std::vector<Scatter> scatter_of(const std::vector<WidthObservation>& observations,
+                                const std::map<int, TrunkSum>& trunks) {
+  std::vector<Scatter> each;
+  for (const WidthObservation& observation : observations) {
+    const TrunkSum& trunk = trunks.at(observation.trunk);
+    if (trunk.n < 2.0) continue;
+    each.push_back(
+        {1.0, beam_m2(observation),
+         geometry::square(observation.width_m - trunk.mean_m) * trunk.n / (trunk.n - 1.0)});
+  }
+  std::vector<Scatter> bins;
+  const std::size_t num_bins = each.empty() ? 0 : num_bins_of(each.size());
+  for (std::size_t b = 0; b < num_bins; ++b) {
+    Scatter bin;
+    for (std::size_t i = b * each.size() / num_bins; i < (b + 1) * each.size() / num_bins; ++i) {
+      bin.n += 1.0;
+      bin.beam_m2 += (each[i].beam_m2 - bin.beam_m2) / bin.n;
+      bin.variance_m2 += (each[i].variance_m2 - bin.variance_m2) / bin.n;
+    }
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+bool spans_ranges(const std::vector<Scatter>& bins) {
+  return bins.size() >= 3 && bins.front().beam_m2 > 0.0 &&
+         bins.back().beam_m2 > kMinRatio * kMinRatio * bins.front().beam_m2;
+}
+
+Law fit(const std::vector<Scatter>& bins) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (const Scatter& bin : bins) {
+    n += bin.n;
+    x += bin.n * bin.beam_m2;
+    y += bin.n * bin.variance_m2;
+    xx += bin.n * bin.beam_m2 * bin.beam_m2;
+    xy += bin.n * bin.beam_m2 * bin.variance_m2;
+  }
+  if (n <= 0.0) return {};
+  if (!spans_ranges(bins)) return {y / n, 0.0};
   const double growth = (n * xy - x * y) / (n * xx - x * x);
-  const double constant = (y - growth * x) / n;
+  const double constant_m2 = (y - growth * x) / n;
   if (growth <= 0.0) return {y / n, 0.0};
-  if (constant <= 0.0) return {0.0, xy / xx};
-  return {constant, growth};
+  if (constant_m2 <= 0.0) return {0.0, xy / xx};
+  return {constant_m2, growth};
+}
+
+/// Variance of another trunk's width about the mean of these [m^2].
+double variance_between(const std::vector<WidthObservation>& observations,
+                        std::map<int, TrunkSum> trunks, const Law& within) {
+  for (const WidthObservation& observation : observations) {
+    TrunkSum& trunk = trunks.at(observation.trunk);
+    trunk.mean_variance_m2 +=
+        (within.constant_m2 + within.growth * beam_m2(observation)) / (trunk.n * trunk.n);
+  }
+  const auto k = static_cast<double>(trunks.size());
+  if (k < 2.0) return 0.0;
+  double mean_m = 0.0, squares_m2 = 0.0, of_means_m2 = 0.0;
+  for (const auto& [number, trunk] : trunks) mean_m += trunk.mean_m / k;
+  for (const auto& [number, trunk] : trunks) {
+    squares_m2 += geometry::square(trunk.mean_m - mean_m) / (k - 1.0);
+    of_means_m2 += trunk.mean_variance_m2 / k;
+  }
+  const double between_m2 = std::max(0.0, squares_m2 - of_means_m2);
+  if (k < kMinTrunks) return between_m2;
+  return between_m2 * (1.0 + 1.0 / k) * (k - 1.0) / (k - 3.0);
 }
 
 }  // namespace
@@ -66,23 +148,20 @@ WidthByRange width_by_range(std::vector<WidthObservation> observations) {
   if (observations.empty()) return result;
   std::sort(observations.begin(), observations.end(),
             [](const WidthObservation& a, const WidthObservation& b) {
-              return std::tie(a.range_m, a.width_m) < std::tie(b.range_m, b.width_m);
+              return std::tie(a.range_m, a.width_m, a.trunk) <
+                     std::tie(b.range_m, b.width_m, b.trunk);
             });
-  const std::size_t num_bins =
-      std::clamp<std::size_t>(observations.size() / kMinPerBin, std::size_t{1}, kMaxBins);
-  std::vector<Moments> bins;
+  const std::size_t num_bins = num_bins_of(observations.size());
   for (std::size_t i = 0; i < num_bins; ++i) {
-    bins.push_back(moments_of(observations, i * observations.size() / num_bins,
-                              (i + 1) * observations.size() / num_bins));
-    result.bins.push_back(bins.back().bin);
+    result.bins.push_back(bin_of(observations, i * observations.size() / num_bins,
+                                 (i + 1) * observations.size() / num_bins));
   }
-  result.sd_m = moments_of(observations, 0, observations.size()).bin.sd_m;
-  result.has_growth = num_bins >= 3 && bins.front().beam_m2 > 0.0 &&
-                      bins.back().beam_m2 > kMinRatio * kMinRatio * bins.front().beam_m2;
-  if (!result.has_growth) return result;
-  const auto [constant, growth] = fit(bins);
-  result.sd_m = std::sqrt(constant);
-  result.sd_per_beam_step = std::sqrt(growth);
+  const std::map<int, TrunkSum> trunks = trunks_of(observations);
+  const std::vector<Scatter> scatter = scatter_of(observations, trunks);
+  const Law within = fit(scatter);
+  result.has_growth = spans_ranges(scatter);
+  result.sd_per_beam_step = std::sqrt(within.growth);
+  result.sd_m = std::sqrt(within.constant_m2 + variance_between(observations, trunks, within));
   return result;
 }
 

@@ -212,6 +212,9 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   calibration::TrunkModel model;
   try {
     model = calibration::estimate_trunk_model(observations, rules);
+    if (options.colour_model != ColourChoice::kHueInterval) {
+      model = calibration::with_likely_trunks(observations, model, rules, config.detector.colour);
+    }
   } catch (const std::runtime_error& error) {
     throw io::FileError(options.log_paths.front() + ": " + error.what());
   }

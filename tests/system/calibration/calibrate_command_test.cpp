@@ -60,8 +60,8 @@ TEST_F(CalibrateCommand, WritesWhatItMeasuredIntoTheRig) {
   EXPECT_LT(config.detector.width.sd_m, 0.012);
   EXPECT_GT(config.detector.colour.hue_min_deg, 10.0);
   EXPECT_LT(config.detector.colour.hue_max_deg, 55.0);
-  EXPECT_NE(text_of(out).find("# orchard calibrate trunks: 20 trunks"), std::string::npos)
-      << "of 24, four have something beside them: " << outcome.output;
+  EXPECT_NE(text_of(out).find("# orchard calibrate trunks: 24 trunks"), std::string::npos)
+      << "four of the 24 have something beside them: " << outcome.output;
   EXPECT_NE(text_of(out).find("# The rig of the paper's simulated environment"), std::string::npos);
   EXPECT_EQ(text_of(rig_), rig);  // the input stays as it was
 }
@@ -70,8 +70,8 @@ TEST_F(CalibrateCommand, KeepsTheOldFileWhenItWritesInPlace) {
   const std::string before = text_of(rig_);
   const Outcome outcome = run("calibrate trunks " + simulate(1003) + " --config " + rig_.string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("only 11 trunks"), std::string::npos)
-      << "of 12, one has something beside it: " << outcome.output;
+  EXPECT_NE(outcome.output.find("only 12 trunks"), std::string::npos)
+      << "one of the 12 has something beside it: " << outcome.output;
   EXPECT_EQ(text_of(rig_.string() + ".bak"), before);
   EXPECT_NE(text_of(rig_), before);
 }

@@ -2,6 +2,7 @@
 #include "io/folder.hpp"
 
 #include <filesystem>
+#include <vector>
 
 #include "io/file_error.hpp"
 
@@ -15,6 +16,18 @@ void make_folder(const std::string& folder, const std::string& advice) {
   throw FileError(folder + ": cannot be created as a folder" +
                   (error ? " (" + error.message() + ")" : std::string()) +
                   (advice.empty() ? std::string() : "; " + advice));
+}
+
+void remove_other_files(const std::string& folder, const std::set<std::string>& names,
+                        const std::function<bool(const std::string& name)>& is_ours) {
+  std::error_code error;
+  std::vector<std::filesystem::path> others;
+  for (const auto& file : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = file.path().filename().string();
+    if (is_ours(name) && names.count(name) == 0) others.push_back(file.path());
+  }
+  for (const std::filesystem::path& other : others) std::filesystem::remove(other, error);
+  if (names.empty()) std::filesystem::remove(folder, error);  // fails if anything else is in it
 }
 
 }  // namespace orchard::io

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <set>
 #include <string>
 
 namespace orchard::io {
@@ -8,5 +10,10 @@ namespace orchard::io {
 /// Creates a folder and its parents if they are missing. Throws FileError; `advice`, if given, is
 /// the remedy at the end of the message.
 void make_folder(const std::string& folder, const std::string& advice = {});
+
+/// Removes the files of a folder that `is_ours` and are not in `names`, and the folder if `names`
+/// is empty and nothing else is in it. Does nothing if there is no such folder.
+void remove_other_files(const std::string& folder, const std::set<std::string>& names,
+                        const std::function<bool(const std::string& name)>& is_ours);
 
 }  // namespace orchard::io

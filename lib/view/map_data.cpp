@@ -7,11 +7,31 @@
 #include "text/base64.hpp"
 #include "text/number_text.hpp"
 #include "view/line_thinning.hpp"
+#include "view/map_json.hpp"
 
 namespace orchard::view {
 namespace {
 
 using mapping::Landmark;
+
+std::string row_json(const mapping::Row& row) {
+  std::vector<const mapping::RowSlot*> gaps;
+  for (const mapping::RowSlot& place : row.places) {
+    if (place.landmark_id == 0) gaps.push_back(&place);
+  }
+  return "{\"number\":" + std::to_string(row.number) +
+         ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(tree_line(row)) +
+         ",\"gaps\":" +
+         array_json(gaps,
+                    [](const mapping::RowSlot* gap) {
+                      return "[" + std::to_string(gap->position) + "," +
+                             fixed_text(gap->p_map.x(), 3) + "," + fixed_text(gap->p_map.y(), 3) +
+                             "]";
+                    }) +
+         "}";
+}
+
+}  // namespace
 
 int label_number(detection::Label label) {
   switch (label) {
@@ -24,59 +44,32 @@ int label_number(detection::Label label) {
   }
 }
 
-/// Formats `[...]` with the output of `text_of` for each item.
-template <typename Items, typename TextOf>
-std::string array_json(const Items& items, const TextOf& text_of) {
-  std::string text = "[";
-  for (const auto& item : items) {
-    if (text.size() > 1) text += ',';
-    text += text_of(item);
-  }
-  return text + "]";
-}
-
 std::string line_json(const std::vector<Eigen::Vector2d>& line) {
   return array_json(line, [](const Eigen::Vector2d& p) {
     return fixed_text(p.x(), 3) + "," + fixed_text(p.y(), 3);
   });
 }
 
-std::string row_json(const mapping::Row& row) {
+std::vector<Eigen::Vector2d> tree_line(const mapping::Row& row) {
   std::vector<Eigen::Vector2d> line;
-  std::vector<const mapping::RowSlot*> gaps;
   for (const mapping::RowSlot& place : row.places) {
-    if (place.landmark_id != 0) {
-      line.push_back(place.p_map);
-    } else {
-      gaps.push_back(&place);
-    }
+    if (place.landmark_id != 0) line.push_back(place.p_map);
   }
-  return "{\"number\":" + std::to_string(row.number) +
-         ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(line) +
-         ",\"gaps\":" +
-         array_json(gaps,
-                    [](const mapping::RowSlot* gap) {
-                      return "[" + std::to_string(gap->position) + "," +
-                             fixed_text(gap->p_map.x(), 3) + "," + fixed_text(gap->p_map.y(), 3) +
-                             "]";
-                    }) +
-         "}";
+  return line;
 }
 
-std::string way_json(const mapping::NavigationEdge& way) {
+std::vector<Eigen::Vector2d> path_line(const std::vector<pose::PoseEstimate>& path) {
+  std::vector<Eigen::Vector2d> line;
+  line.reserve(path.size());
+  for (const pose::PoseEstimate& pose : path) line.emplace_back(pose.x_m, pose.y_m);
+  return thinned_line(line, kPathTolerance_m);
+}
+
+std::string way_json(const mapping::NavigationEdge& way, const std::vector<Eigen::Vector2d>& line) {
   const char* kind = way.kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
   return std::string("{\"kind\":\"") + kind + "\",\"width\":" + fixed_text(way.width_m, 3) +
-         ",\"line\":" + line_json(way.line_map) + "}";
+         ",\"line\":" + line_json(line) + "}";
 }
-
-std::string path_json(const std::vector<pose::PoseEstimate>* path) {
-  std::vector<Eigen::Vector2d> line;
-  line.reserve(path->size());
-  for (const pose::PoseEstimate& pose : *path) line.emplace_back(pose.x_m, pose.y_m);
-  return line_json(thinned_line(line, kPathTolerance_m));
-}
-
-}  // namespace
 
 std::string georeference_json(const geometry::Georeference& g) {
   return "{\"latitude_deg\":" + fixed_text(g.latitude_deg, 8) +
@@ -130,7 +123,9 @@ std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
 std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
                                const mapping::NavigationGraph& graph) {
   return "\"rows\":" + array_json(rows, row_json) +
-         ",\"ways\":" + array_json(graph.edges, way_json);
+         ",\"ways\":" + array_json(graph.edges, [](const mapping::NavigationEdge& way) {
+           return way_json(way, way.line_map);
+         });
 }
 
 std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_names,
@@ -148,8 +143,8 @@ std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_
   return text + "}";
 }
 
-std::string map_data_json(const MapData& map_data) {
-  std::string text = "{\"title\":" + json_text(map_data.title) +
+std::string heading_json(const MapData& map_data) {
+  std::string text = "\"title\":" + json_text(map_data.title) +
                      ",\"version\":" + json_text(map_data.version) +
                      ",\"first_utime\":" + std::to_string(map_data.first_utime) +
                      ",\"last_utime\":" + std::to_string(map_data.last_utime) +
@@ -157,12 +152,21 @@ std::string map_data_json(const MapData& map_data) {
   if (map_data.georeference) {
     text += ",\n\"georeference\":" + georeference_json(*map_data.georeference);
   }
-  text += ",\n\"landmarks\":" + landmark_columns_json(*map_data.landmarks, map_data.georeference) +
-          ",\n" + rows_and_ways_json(*map_data.rows, *map_data.graph) +
-          ",\n\"paths\":" + array_json(map_data.paths, path_json) + ",\n" +
-          names_and_notes_json(map_data.row_names, map_data.notes) + ",\n\"photo_ids\":" +
-          array_json(map_data.photo_ids, [](std::int32_t id) { return std::to_string(id); }) +
-          ",\"photos\":{";
+  return text;
+}
+
+std::string names_and_photo_ids_json(const MapData& map_data) {
+  return names_and_notes_json(map_data.row_names, map_data.notes) + ",\n\"photo_ids\":" +
+         array_json(map_data.photo_ids, [](std::int32_t id) { return std::to_string(id); });
+}
+
+std::string map_data_json(const MapData& map_data) {
+  std::string text =
+      "{" + heading_json(map_data) +
+      ",\n\"landmarks\":" + landmark_columns_json(*map_data.landmarks, map_data.georeference) +
+      ",\n" + rows_and_ways_json(*map_data.rows, *map_data.graph) + ",\n\"paths\":" +
+      array_json(map_data.paths, [](const auto* path) { return line_json(path_line(*path)); }) +
+      ",\n" + names_and_photo_ids_json(map_data) + ",\"photos\":{";
   const char* separator = "";
   for (const auto& [id, jpeg] : map_data.photographs) {
     text += separator + ("\"" + std::to_string(id)) + "\":\"" +

@@ -64,6 +64,9 @@ std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_
 /// Formats `{"latitude_deg", "longitude_deg", "yaw_rad", "residual_rms_m"}`.
 std::string georeference_json(const geometry::Georeference& georeference);
 
+/// Number of a label in the page's columns: 0 tree, 1 object, 2 unseen.
+int label_number(detection::Label label);
+
 /// Formats an arbitrary text as a JSON string in ASCII.
 std::string json_text(const std::string& text);
 

@@ -25,10 +25,11 @@ std::string json_in_html(std::string_view json) {
 }  // namespace
 
 std::string page_policy(PageSource source) {
-  const bool is_served = source == PageSource::kServer;
-  std::string policy = "default-src 'none'; script-src '" + std::string(kScriptSum) +
-                       "'; style-src '" + std::string(kStyleSum) + "'; img-src data:";
-  policy += is_served ? " 'self' blob:; connect-src 'self'" : "";
+  std::string policy = "default-src 'none'; script-src '" + std::string(kScriptSum) + "'";
+  if (source == PageSource::kFileWithTiles) policy += " file:";
+  policy += "; style-src '" + std::string(kStyleSum) + "'; img-src data:";
+  if (source == PageSource::kFileWithTiles) policy += " file:";
+  if (source == PageSource::kServer) policy += " 'self' blob:; connect-src 'self'";
   return policy + "; base-uri 'none'; form-action 'none'";
 }
 

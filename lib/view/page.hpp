@@ -8,8 +8,9 @@ namespace orchard::view {
 
 /// Origin of the page, which determines its permitted connections.
 enum class PageSource {
-  kFile,    ///< opened from a disk: no connections
-  kServer,  ///< served by orchard-viewer: connections to that server only
+  kFile,           ///< opened from a disk: no connections
+  kFileWithTiles,  ///< the same of a large map: scripts and pictures of the disk, no connections
+  kServer,         ///< served by orchard-viewer: connections to that server only
 };
 
 /// Returns the page as HTML with embedded style, script and data. `title` is any text; `data_json`

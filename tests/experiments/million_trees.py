@@ -6,7 +6,7 @@
 1 cm, of rows 1 to 60 and 41 to 100, the second in a frame of its own. The maps are written as such,
 without drives. Then `orchard merge --any-place` joins each block, `orchard publish` puts all into one
 database (PostgreSQL with PostGIS of its own), which is asked five things; and the map of one block
-of all the trees shows what a page of so many takes. For every step its time, processor time and peak
+of all the trees is shown in a browser. For every step its time, processor time and peak
 memory; the join is checked against the trees that were planted. Prints one table; needs a build in
 build/ (or BUILD=folder).
 
@@ -18,6 +18,7 @@ import json
 import math
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -29,6 +30,8 @@ import urllib.request
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, ROOT + "/tests/system/publish")
 import server as postgres  # noqa: E402
+sys.path.insert(0, ROOT + "/tests/system/view")
+import browser  # noqa: E402
 
 ORCHARD = os.environ.get("BUILD", ROOT + "/build") + "/bin/orchard"
 ROW_M, TREE_M = 4.0, 2.0
@@ -133,23 +136,45 @@ def ask(db, what, sql):
           flush=True)
 
 
+def memory_mib(pid):
+    """Of a process and its children, pages in common counted once."""
+    kib = 0
+    try:
+        with open(f"/proc/{pid}/smaps_rollup") as file:
+            kib = sum(int(line.split()[1]) for line in file if line.startswith("Pss:"))
+        with open(f"/proc/{pid}/task/{pid}/children") as file:
+            return kib / 1024 + sum(memory_mib(int(child)) for child in file.read().split())
+    except OSError:
+        return kib / 1024
+
+
 def show(folder):
-    """Serves a map's page and fetches all of it."""
+    """Serves a map's page and shows it in a browser: the overview, then ten places near."""
     begin = time.monotonic()
     server = subprocess.Popen([ORCHARD, "view", folder, "--listen", "127.0.0.1:8497"],
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    num_bytes = 0
-    while num_bytes == 0 and server.poll() is None:
-        try:
-            with urllib.request.urlopen("http://127.0.0.1:8497/") as answer:
-                num_bytes = len(answer.read())
-        except OSError:
-            time.sleep(0.05)
-    wall_s = time.monotonic() - begin
+                              stdout=subprocess.PIPE, text=True)
+    url = re.search(r"http://\S+?/", server.stdout.readline()).group(0)
+    ready_s = time.monotonic() - begin
+    with urllib.request.urlopen(url) as answer:
+        num_bytes = len(answer.read())
+    loads_s, most_mib = [], 0.0
+    with browser.Browser(1280, 900) as page:
+        page.open(url)
+        page.wait("return orchardApp.tiles.shown !== null", "the overview")
+        drawn_s = page.run("return performance.now()") / 1000
+        for k in range(10):
+            begin = time.monotonic()
+            page.run("orchardApp.goTo(...arguments); orchardApp.view.scale = 6; orchardApp.paintNow()",
+                     180 * k, 350 * k)
+            page.wait("return orchardApp.tiles.pending.size === 0 && orchardApp.tiles.shown.length > 0", "the tiles in view")
+            loads_s.append(time.monotonic() - begin)
+            most_mib = max(most_mib, memory_mib(page.driver.pid))
     server.send_signal(signal.SIGINT)
     _, _, used = os.wait4(server.pid, 0)
-    print(f"| page of all trees, served and fetched ({num_bytes / 1e6:.0f} MB) | {wall_s:.1f} s | "
-          f"{used.ru_utime + used.ru_stime:.1f} s | {used.ru_maxrss / 1024:.0f} MiB |", flush=True)
+    print(f"| page of all trees: server ready | {ready_s:.1f} s | {used.ru_utime + used.ru_stime:.1f} s | "
+          f"{used.ru_maxrss / 1024:.0f} MiB |\n| the same: overview drawn ({num_bytes / 1e6:.1f} MB); tiles of a "
+          f"view | {drawn_s:.1f} s; {sorted(loads_s)[5]:.1f} s, at most {max(loads_s):.1f} s | | browser: "
+          f"{most_mib:.0f} MiB |", flush=True)
 
 
 def main():

@@ -50,17 +50,6 @@ std::string table_of(const std::vector<mapping::AlbumEntry>& entries) {
   return table;
 }
 
-void remove_others(const fs::path& folder, const std::set<std::string>& names) {
-  std::error_code error;
-  std::vector<fs::path> others;
-  for (const auto& file : fs::directory_iterator(folder, error)) {
-    const std::string name = file.path().filename().string();
-    if (is_album_file(name) && names.count(name) == 0) others.push_back(file.path());
-  }
-  for (const fs::path& other : others) fs::remove(other, error);
-  if (names.empty()) fs::remove(folder, error);  // fails if the folder contains other files
-}
-
 }  // namespace
 
 std::string photo_path(std::int32_t landmark_id) {
@@ -69,7 +58,6 @@ std::string photo_path(std::int32_t landmark_id) {
 
 void write_album(const std::string& map_folder, const std::vector<mapping::AlbumEntry>& entries) {
   const fs::path folder = fs::path(map_folder) / kFolder;
-  std::error_code error;
   std::set<std::string> names;
   if (!entries.empty()) {
     make_folder(folder.string());
@@ -86,7 +74,7 @@ void write_album(const std::string& map_folder, const std::vector<mapping::Album
     write(kTable, table_of(entries));
     files.commit();
   }
-  if (fs::is_directory(folder, error)) remove_others(folder, names);
+  remove_other_files(folder.string(), names, is_album_file);
 }
 
 }  // namespace orchard::io

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
@@ -12,6 +13,7 @@
 #include "io/map/album_files.hpp"
 #include "io/map/graph_json.hpp"
 #include "io/map/map_page.hpp"
+#include "io/map/map_tile_files.hpp"
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/album/choose_photographs.hpp"
@@ -61,7 +63,14 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
-  files.write((path / "map.html").string(), map_page(content, graph, album));
+  view::MapData page = page_data(content, graph, album);
+  std::optional<view::MapTiles> tiles;
+  if (content.landmarks.size() > view::kWholePage_landmarks) {
+    page.photographs.clear();
+    for (const auto& [id, photo] : photos) page.photo_ids.push_back(id);
+    tiles.emplace(page);
+  }
+  files.write((path / "map.html").string(), tiles ? map_page(page, *tiles) : map_page(page));
   files.write((path / "trajectory.csv").string(), trajectory_csv_pieces(content.trajectory));
   files.write((path / "trajectory.tum").string(), trajectory_tum_pieces(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
@@ -71,7 +80,9 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
   files.write((path / "graph.json").string(), graph_json(graph));
   files.write((path / "summary.json").string(), summary_json(content));
-  write_album(folder, album);  // if the disk is full, every other file remains unchanged
+  // If the disk is full, every other file remains unchanged.
+  write_album(folder, album);
+  write_map_tiles(folder, tiles ? &*tiles : nullptr);
   files.commit();
 }
 

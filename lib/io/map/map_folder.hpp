@@ -59,10 +59,10 @@ struct MapFolderContent {
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and trajectory.tum
-/// (trajectory_2.csv ... for more drives), graph.json, summary.json, and ids.csv if there is one,
-/// into `folder` (created if missing). All files are written and synced under temporary names
-/// before the first is renamed. Equal content gives equal bytes. Throws FileError and then leaves
-/// every earlier file unchanged.
+/// (trajectory_2.csv ... for more drives), graph.json, summary.json, map_tiles/ of a large map, and
+/// ids.csv if there is one, into `folder` (created if missing). All files are written and synced
+/// under temporary names before the first is renamed. Equal content gives equal bytes. Throws
+/// FileError and then leaves every earlier file unchanged.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
 
 }  // namespace orchard::io

@@ -6,8 +6,8 @@
 
 namespace orchard::io {
 
-std::string map_page(const MapFolderContent& content, const mapping::NavigationGraph& graph,
-                     const std::vector<mapping::AlbumEntry>& album) {
+view::MapData page_data(const MapFolderContent& content, const mapping::NavigationGraph& graph,
+                        const std::vector<mapping::AlbumEntry>& album) {
   view::MapData data;
   data.title = content.summary.source.empty() ? "Orchard map" : content.summary.source;
   data.version = content.summary.version;
@@ -23,7 +23,15 @@ std::string map_page(const MapFolderContent& content, const mapping::NavigationG
   for (const mapping::AlbumEntry& entry : album) {
     data.photographs.emplace_back(entry.landmark_id, &entry.photograph->jpeg);
   }
+  return data;
+}
+
+std::string map_page(const view::MapData& data) {
   return view::page_html(data.title, view::map_data_json(data), view::PageSource::kFile);
+}
+
+std::string map_page(const view::MapData& data, const view::MapTiles& tiles) {
+  return view::page_html(data.title, tiles.overview_json(), view::PageSource::kFileWithTiles);
 }
 
 }  // namespace orchard::io

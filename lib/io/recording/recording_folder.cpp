@@ -67,11 +67,11 @@ std::vector<ImageFile> list_images(const fs::path& folder) {
   }
   std::sort(files.begin(), files.end(),
             [](const ImageFile& a, const ImageFile& b) { return a.utime < b.utime; });
-  const auto twin =
+  const auto other =
       std::adjacent_find(files.begin(), files.end(),
                          [](const ImageFile& a, const ImageFile& b) { return a.utime == b.utime; });
-  if (twin != files.end())
-    throw FileError(twin->path + ": another picture has the same time; remove one");
+  if (other != files.end())
+    throw FileError(other->path + ": another picture has the same time; remove one");
   return files;
 }
 

@@ -11,10 +11,12 @@ class App {
     this.painter = new Painter(this.canvas, this.model, this.view, this.theme);
     this.details = new Details(this.model, this.theme, (i) => this.select(i, true), () => this.select(-1));
     this.gestures = new Gestures(this.canvas, this.view, () => this.redraw(), (sx, sy) => this.click(sx, sy));
+    this.tiles = null;
     new ResizeObserver(() => { this.painter.resize(); this.paintNow(); }).observe(this.canvas);
     this.wireButtons();
     this.painter.resize();
     this.setMenu(this.view.width > 640);
+    if (data.tiles) this.tiles = new Tiles(this);
     this.showAll();
     this.fit();
   }
@@ -78,6 +80,7 @@ class App {
 
   paintNow() {
     this.isDue = false;
+    if (this.tiles) this.tiles.update();
     this.painter.selected = this.selectedId === null ? -1 : this.model.withId(this.selectedId);
     this.painter.paint();
     showScale(this.view);
@@ -147,6 +150,11 @@ class App {
   }
 
   search(text) {
+    if (!this.tiles) { this.showFound(text); return; }
+    this.tiles.loadFor(parseQuery(text)).then(() => this.showFound(text), (error) => this.tiles.fail(error));
+  }
+
+  showFound(text) {
     const found = findInMap(this.model, text);
     byId("found").textContent = found.words || "";
     if (found.index !== undefined) this.select(found.index, true);

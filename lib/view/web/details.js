@@ -53,6 +53,7 @@ class Details {
     this.box = byId("details");
     this.actions = () => []; // buttons for landmark i or for a gap of a row
     this.gapActions = () => [];
+    this.beyond = null; // selects the next tree of a row where it is not loaded: (row, position, way)
   }
 
   hide() { this.box.hidden = true; }
@@ -63,9 +64,13 @@ class Details {
     const { row, position } = model.columns;
     if (position[i] > 0) {
       for (const [words, way] of [["‹ before", -1], ["next ›", 1]]) {
-        const other = this.neighbour(row[i], position[i], way);
-        const button = element("button", { type: "button", textContent: words, disabled: other < 0 });
-        button.addEventListener("click", () => this.select(other));
+        const [number, place] = [row[i], position[i]];
+        const isAny = this.beyond !== null || this.neighbour(number, place, way) >= 0;
+        const button = element("button", { type: "button", textContent: words, disabled: !isAny });
+        button.addEventListener("click", () => {
+          const other = this.neighbour(number, place, way);
+          if (other >= 0) this.select(other); else if (this.beyond) this.beyond(number, place, way);
+        });
         steps.push(button);
       }
     }
@@ -76,12 +81,15 @@ class Details {
   // Shows the photograph of a landmark, if the map has one.
   photo(id, title) {
     if (this.model.photoIds.has(id)) {
-      return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `api/photo?id=${id}` })];
+      return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: this.photoAddress(id) })];
     }
     const jpeg = Object.hasOwn(this.model.photos, id) ? this.model.photos[id] : "";
     if (!/^[A-Za-z0-9+/]+=*$/.test(jpeg)) return [];
     return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `data:image/jpeg;base64,${jpeg}` })];
   }
+
+  // On a disk, photographs of a large map are beside the page.
+  photoAddress(id) { return location.protocol === "file:" ? `album/${id}.jpg` : `api/photo?id=${id}`; }
 
   showGap(row, gap) {
     const facts = [["Class", "Gap: place without a tree"], ["Position x, y", `${gap[1].toFixed(2)}, ${gap[2].toFixed(2)} m`]];

@@ -10,6 +10,8 @@ class FolderStream {
   take(event) {
     const { app } = this;
     if (event.kind === "hello" && event.boot !== app.data.boot) location.reload(); // another server's map
+    else if (event.kind === "overview") app.tiles.renew(event);
+    else if (event.kind === "map" && app.tiles) return; // the overview follows
     else if (event.kind === "map") takeLandmarks(app.model, event);
     else if (event.kind === "rows") app.model.setRows(event.rows, event.ways);
     else if (event.kind === "corrections") app.takeCorrections(event);

@@ -68,9 +68,12 @@ function showRows(model, show, rename = null) {
     const pen = element("button", { type: "button", className: "rename", title: "Name this row", textContent: "✎" });
     if (rename) pen.addEventListener("click", () => rename(row));
     const trunk = widths.get(row.number) || [];
-    const mean = trunk.length > 0 ? trunk.reduce((sum, width) => sum + width, 0) / trunk.length : 0;
-    return element("tr", {}, element("td", {}, button, ...(rename ? [" ", pen] : [])), element("td", { textContent: wholeNumber(trunk.length) }),
-      element("td", { textContent: wholeNumber(row.gaps.length) }),
+    // Rows of a large map come with their numbers, as their trees are not all loaded.
+    const mean = row.trunk !== undefined ? row.trunk
+      : trunk.length > 0 ? trunk.reduce((sum, width) => sum + width, 0) / trunk.length : 0;
+    const numTrees = row.trees === undefined ? trunk.length : row.trees;
+    return element("tr", {}, element("td", {}, button, ...(rename ? [" ", pen] : [])), element("td", { textContent: wholeNumber(numTrees) }),
+      element("td", { textContent: wholeNumber(MapModel.numGapsOf(row)) }),
       element("td", { textContent: `${row.spacing.toFixed(2)} m` }),
       element("td", { textContent: mean > 0 ? `${(100 * mean).toFixed(1)} cm` : "" }));
   });

@@ -22,6 +22,9 @@ class MapModel {
     this.rows = [];
     this.ways = [];
     this.paths = [];
+    this.tiles = null; // of a large map
+    this.totals = null; // its numbers by class
+    this.rowLines_ = null;
     this.revision = 0;
     this.replace(data);
   }
@@ -37,6 +40,31 @@ class MapModel {
     this.setNames(data.row_names || {}, data.notes || {});
     this.setRows(data.rows || [], data.ways || []);
   }
+
+  // The overview of a large map in `tiles`: lines and numbers, without landmarks.
+  setOverview(overview, tiles) {
+    this.tiles = tiles;
+    this.overview = overview;
+    this.totals = overview.tiles.counts;
+    this.setRows(overview.rows, overview.ways);
+  }
+
+  // Shows the landmarks and gaps of these tiles, and their lines or those of the overview.
+  showTiles(tiles, isNear) {
+    for (const name of MapModel.columnNames) {
+      this.columns[name] = tiles.flatMap((tile) => tile.landmarks[name] || new Array(tile.landmarks.id.length).fill(0));
+    }
+    this.indexOfId = new Map(this.columns.id.map((id, i) => [id, i]));
+    const rows = new Map(this.rows.map((row) => [row.number, row]));
+    for (const row of this.rows) row.gaps = [];
+    for (const tile of tiles) for (const [row, ...gap] of tile.gaps) rows.get(row)?.gaps.push(gap);
+    this.rowLines_ = isNear ? tiles.flatMap((tile) => tile.rows) : null;
+    this.ways = isNear ? tiles.flatMap((tile) => tile.ways) : this.overview.ways;
+    this.paths = isNear ? tiles.flatMap((tile) => tile.paths) : this.overview.paths;
+    this.touch();
+  }
+
+  get rowLines() { return this.rowLines_ || this.rows.map((row) => row.line); }
 
   // Sets the names of rows by number and the notes of landmarks by id.
   setNames(rowNames, notes) {
@@ -110,12 +138,15 @@ class MapModel {
   get count() { return this.columns.id.length; }
 
   numberOf(label) {
+    if (this.totals) return this.totals[label];
     let number = 0;
     for (const other of this.columns.label) number += other === label ? 1 : 0;
     return number;
   }
 
-  get numGaps() { return this.rows.reduce((sum, row) => sum + row.gaps.length, 0); }
+  get numGaps() { return this.rows.reduce((sum, row) => sum + MapModel.numGapsOf(row), 0); }
+
+  static numGapsOf(row) { return row.num_gaps === undefined ? row.gaps.length : row.num_gaps; }
 
   // Certainty of the class: 0 sure, 1 likely, 2 unsure.
   certainty(i) {
@@ -138,6 +169,7 @@ class MapModel {
 
   // Bounding box of everything: [x min, y min, x max, y max], or null for an empty map.
   get box() {
+    if (this.totals) return this.overview.tiles.box || null;
     if (this.box_) return this.box_;
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     const add = (x, y) => {

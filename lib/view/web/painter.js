@@ -42,6 +42,7 @@ class Painter {
     if (this.shown.rows) brush.paintRows();
     if (this.shown.paths) brush.paintPaths();
     if (this.shown.gaps) brush.paintGaps();
+    brush.paintShades();
     const inView = brush.paintLandmarks();
     if (this.shown.labels) brush.paintLabels(inView);
   }

@@ -55,6 +55,10 @@ class SceneBrush {
     thinner.finish(draw);
   }
 
+  paintShades() {
+    if (this.model.tiles) this.model.tiles.paintShades(this.context, this.view, this.theme, this.shown);
+  }
+
   paintWays() {
     const { context, theme, view } = this;
     context.lineCap = context.lineJoin = "round";
@@ -72,9 +76,9 @@ class SceneBrush {
     const { context, theme } = this;
     context.strokeStyle = theme.colours.row;
     context.lineWidth = 1.5;
-    for (const row of this.model.rows) { // one path per row: a single path with all rows is slow
+    for (const line of this.model.rowLines) { // one path per row: a single path with all rows is slow
       context.beginPath();
-      this.addLine(row.line);
+      this.addLine(line);
       context.stroke();
     }
   }

@@ -34,8 +34,11 @@ FolderPage::FolderPage(const std::string& folder, bool can_edit)
   title_ = printable_text(path.filename().string());
   boot_ = std::to_string(std::random_device()());
   io::StoredMap mapped = io::read_stored_map(folder);
+  std::error_code error;
+  const bool has_album =
+      fs::is_directory(fs::path(folder_) / fs::path(io::photo_path(0)).parent_path(), error);
   for (const mapping::Landmark& l : mapped.landmarks) {
-    std::error_code error;
+    if (!has_album) break;
     if (fs::is_regular_file(fs::path(folder_) / io::photo_path(l.id), error)) {
       photo_ids_.push_back(l.id);
     }
@@ -54,16 +57,40 @@ void FolderPage::show(io::CorrectedMapFolder map) {
   io::MapFolderContent content = content_of(map.mapped);
   mapping::NavigationGraph graph =
       mapping::navigation_graph(map.corrected.landmarks, map.rows, content.seen_free);
-  std::string rows = "{\"kind\":\"rows\"," + view::rows_and_ways_json(map.rows, graph) + "}";
   std::string corrections = procs::corrections_event(map);
-  const auto now = std::make_shared<const Shown>(
-      Shown{std::move(map), std::move(content.summary), std::move(graph)});
+  const auto now =
+      std::make_shared<Shown>(Shown{std::move(map), std::move(content.summary), std::move(graph)});
+  if (now->map.corrected.landmarks.size() > view::kWholePage_landmarks) {
+    now->tiles.emplace(page_data(*now));
+  }
+  std::string rows =
+      now->tiles
+          ? "{\"kind\":\"overview\"," + now->tiles->overview_parts_json() + "}"
+          : "{\"kind\":\"rows\"," + view::rows_and_ways_json(now->map.rows, now->graph) + "}";
   const std::lock_guard<std::mutex> lock(mutex_);
   shown_ = now;
   landmarks_.show(now->map.corrected.landmarks);
   rows_event_ = std::move(rows);
   corrections_event_ = std::move(corrections);
   ++num_shown_;
+}
+
+view::MapData FolderPage::page_data(const Shown& shown) const {
+  const io::CorrectedMapFolder& map = shown.map;
+  view::MapData data;
+  data.title = title_;
+  data.version = shown.summary.version;
+  data.first_utime = shown.summary.first_utime;
+  data.last_utime = shown.summary.last_utime;
+  data.landmarks = &map.corrected.landmarks;
+  data.rows = &map.rows;
+  data.graph = &shown.graph;
+  for (const auto& trajectory : map.mapped.trajectories) data.paths.push_back(&trajectory);
+  data.georeference = map.mapped.georeference;
+  data.photo_ids = photo_ids_;
+  data.row_names = map.corrected.row_names;
+  data.notes = map.corrected.notes;
+  return data;
 }
 
 std::string FolderPage::page() const {
@@ -74,21 +101,8 @@ std::string FolderPage::page() const {
     now = shown_;
     revision = landmarks_.revision();
   }
-  const io::CorrectedMapFolder& map = now->map;
-  view::MapData data;
-  data.title = title_;
-  data.version = now->summary.version;
-  data.first_utime = now->summary.first_utime;
-  data.last_utime = now->summary.last_utime;
-  data.landmarks = &map.corrected.landmarks;
-  data.rows = &map.rows;
-  data.graph = &now->graph;
-  for (const auto& trajectory : map.mapped.trajectories) data.paths.push_back(&trajectory);
-  data.georeference = map.mapped.georeference;
-  data.photo_ids = photo_ids_;
-  data.row_names = map.corrected.row_names;
-  data.notes = map.corrected.notes;
-  std::string json = view::map_data_json(data);
+  std::string json =
+      now->tiles ? now->tiles->overview_json() : view::map_data_json(page_data(*now));
   json.insert(1, "\"mode\":\"folder\",\"boot\":\"" + boot_ +
                      "\",\"can_edit\":" + (can_edit_ ? "true" : "false") +
                      ",\"revision\":" + std::to_string(revision) + ",");
@@ -116,9 +130,20 @@ std::vector<std::string> FolderPage::events_for(view::ViewerProgress& seen, bool
 }
 
 std::optional<PageAnswer> FolderPage::get(const std::string& name, const Parameters& parameters) {
-  const auto given = parameters.find("id");
-  if (name != "photo" || given == parameters.end()) return std::nullopt;
-  const std::optional<std::int32_t> id = whole_number(given->second);
+  const auto id = parameters.find("id"), tile = parameters.find("name");
+  if (name == "photo" && id != parameters.end()) return photo(id->second);
+  const auto now = shown();
+  if (name != "tile" || tile == parameters.end() || !now->tiles) return std::nullopt;
+  if (tile->second == "index") {
+    return PageAnswer{200, "application/json", now->tiles->index_json()};
+  }
+  auto json = now->tiles->tile_json(tile->second);
+  if (!json) return std::nullopt;
+  return PageAnswer{200, "application/json", std::move(*json)};
+}
+
+std::optional<PageAnswer> FolderPage::photo(const std::string& text) const {
+  const std::optional<std::int32_t> id = whole_number(text);
   if (!id || !std::binary_search(photo_ids_.begin(), photo_ids_.end(), *id)) return std::nullopt;
   const fs::path path = fs::path(folder_) / io::photo_path(*id);
   std::error_code failure;

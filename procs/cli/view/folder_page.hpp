@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "io/map/map_folder.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "view/live_map.hpp"
+#include "view/map_data.hpp"
+#include "view/map_tiles.hpp"
 #include "viewer/map_editor.hpp"
 #include "viewer/page_content.hpp"
 
@@ -24,7 +27,7 @@ class FolderPage : public procs::PageContent {
   std::string page() const override;
   std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const override;
   std::string hello() const override;
-  /// `photo?id=17`
+  /// `photo?id=17`; of a large map `tile?name=3_-2` and `tile?name=index`
   std::optional<procs::PageAnswer> get(const std::string& name,
                                        const Parameters& parameters) override;
   bool can_edit() const override { return can_edit_; }
@@ -38,8 +41,11 @@ class FolderPage : public procs::PageContent {
     io::CorrectedMapFolder map;
     io::MapSummary summary;
     mapping::NavigationGraph graph;
+    std::optional<view::MapTiles> tiles{};  ///< of a large map; refers to the other members
   };
   std::shared_ptr<const Shown> shown() const;
+  view::MapData page_data(const Shown& shown) const;
+  std::optional<procs::PageAnswer> photo(const std::string& id) const;
   void show(io::CorrectedMapFolder map);
 
   std::string folder_, title_;

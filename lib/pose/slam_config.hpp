@@ -33,7 +33,6 @@ struct SlamConfig {
   double closure_margin = 8.0;    ///< min log-likelihood margin over any other registration
   bool use_fixes = false;         ///< POSE_FIX georeferences the map and bounds its drift
   bool use_gnss = false;          ///< GNSS does so; map is then east-north about its datum
-  double merge_m = 0.4;           ///< landmarks nearer than this after a solve are merged
   double submap_length_m = 8.0;   ///< path length of the submaps by which large graphs are solved
 };
 
@@ -84,11 +83,8 @@ void describe(Visitor& v, SlamConfig& c) {
   v.flag("use_gnss", c.use_gnss,
          "use GNSS to georeference the map and limit its drift; map x points east, y north from "
          "pose.gnss.datum");
-  v.expert().number("merge_m", c.merge_m, 0, 5, "m", "landmarks nearer than this are merged");
   v.expert().number("submap_length_m", c.submap_length_m, 0.5, 1000, "m",
                     "path length of a submap; large graphs are solved submap by submap");
-  v.check(c.merge_m <= c.gate_m, "merge_m", "must not be above gate_m");
-  v.check(c.merge_m <= c.new_landmark_m, "merge_m", "must not be above new_landmark_m");
 }
 
 }  // namespace orchard::pose

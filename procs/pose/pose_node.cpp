@@ -110,14 +110,15 @@ void PoseNode::push(pose::Measurement measurement) {
 void PoseNode::flush(const bus::Outbox& send) {
   while (const auto measurement = queue_.pop_flushed()) use(*measurement, send);
   localiser_->finish();
-  send_correction(send);
+  // The last pose was sent before this correction, so it is corrected like those before it.
+  send_correction(send, last_utime_ + 1);
 }
 
 void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send) {
   released_utime_ = pose::utime_of(measurement);
   localiser_->add(measurement);
   // Send the correction first: poses from this time on include it.
-  send_correction(send);
+  send_correction(send, Queue::kNever);
   for (pose::PoseEstimate& past : localiser_->take_past_poses()) {
     if (past.utime > last_utime_) send_pose(past, send);
   }
@@ -134,9 +135,10 @@ void PoseNode::send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send) 
   send(estimate);
 }
 
-void PoseNode::send_correction(const bus::Outbox& send) {
-  const std::optional<pose::Trajectory> trajectory = localiser_->take_correction();
+void PoseNode::send_correction(const bus::Outbox& send, std::int64_t utime_min) {
+  std::optional<pose::Trajectory> trajectory = localiser_->take_correction();
   if (!trajectory) return;
+  trajectory->utime = std::max(trajectory->utime, utime_min);
   for (pose::TrajectoryPage& page : pose::paginate(*trajectory)) {
     page.seq = next_page_seq_++;
     send(std::move(page));

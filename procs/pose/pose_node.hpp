@@ -45,7 +45,8 @@ class PoseNode : public bus::Node {
   void push(pose::Measurement measurement);
   void use(const pose::Measurement& measurement, const bus::Outbox& send);
   void send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send);
-  void send_correction(const bus::Outbox& send);
+  /// Sends the newest trajectory, if any; it corrects all poses before its utime or `utime_min`.
+  void send_correction(const bus::Outbox& send, std::int64_t utime_min);
 
   using Queue = timing::OrderedQueue<pose::Measurement, pose::kNumMeasurementKinds>;
 

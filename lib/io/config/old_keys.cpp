@@ -24,6 +24,7 @@ const std::vector<OldKey>& old_keys() {
       {"simulation.light.sun_share", "sun_fraction"},
       {"mapper.save_period_s", nullptr, "1"},
       {"pose.slam.closure_min_trees", nullptr},
+      {"pose.slam.merge_m", nullptr},
       {"pose.scan_motion.thin_m", nullptr, "0.1"},
       {"pose.scan_motion.points_min", nullptr, "20"},
       {"pose.scan_motion.map_travel_m", nullptr, "15"},

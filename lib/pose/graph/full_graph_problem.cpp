@@ -140,17 +140,26 @@ FullGraphProblem::linearised_observations(int landmark, const Eigen::VectorXd& v
                                           bool robust) {
   linearised_.clear();
   const Eigen::Vector2d p = values.segment<2>(value(landmark_block(landmark)));
-  for (std::size_t s = first_observation_[landmark]; s < first_observation_[landmark + 1]; ++s) {
-    const ObservationResidual residual(*observations_[s].observation);
-    const Eigen::Vector3d T = values.segment<3>(value(observations_[s].keyframe));
+  const auto add = [&](int keyframe, const SlamObservation& observation) {
+    const ObservationResidual residual(observation);
+    const Eigen::Vector3d T = values.segment<3>(value(keyframe));
     LinearisedObservation sight;
-    sight.column = columns_[observations_[s].keyframe];
+    sight.column = columns_[keyframe];
     sight.residual = residual.at(T, p);
     const double scale = std::sqrt(loss_of(sight.residual.squaredNorm(), robust).slope);
     sight.residual *= scale;
     sight.by_pose = scale * residual.by_pose(T, p);
     sight.by_position = scale * residual.by_position(T);
     linearised_.push_back(sight);
+  };
+  for (std::size_t s = first_observation_[landmark]; s < first_observation_[landmark + 1]; ++s) {
+    add(observations_[s].keyframe, *observations_[s].observation);
+  }
+  if (!linearised_.empty()) return linearised_;
+  for (const int k : graph_.landmarks[landmark].keyframes) {  // one: it determines no pose
+    for (const SlamObservation& o : graph_.keyframes[k].observations) {
+      if (o.landmark == landmark) add(k, o);
+    }
   }
   return linearised_;
 }
@@ -314,9 +323,49 @@ bool FullGraphProblem::write_to(SlamGraph& graph) const {
   return true;
 }
 
-std::optional<SelectedInverse> FullGraphProblem::covariances() {
+bool FullGraphProblem::factorise() {
   linearise(values_, true, 0.0);
-  if (!equations_->factorise()) return std::nullopt;
+  return equations_->factorise();
+}
+
+void FullGraphProblem::add_position(int landmark, double sign,
+                                    Eigen::Matrix<double, Eigen::Dynamic, 2>& by_unknowns,
+                                    Eigen::Matrix2d& own) {
+  const int column = columns_[landmark_block(landmark)];
+  if (column >= 0) {
+    by_unknowns.middleRows<2>(equations_->first(column)) += sign * Eigen::Matrix2d::Identity();
+    return;
+  }
+  // An eliminated landmark lies where its observations put it, given the poses.
+  Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+  const std::vector<LinearisedObservation>& observations =
+      linearised_observations(landmark, values_, true);
+  for (const LinearisedObservation& s : observations) {
+    H += s.by_position.transpose() * s.by_position;
+  }
+  const Eigen::Matrix2d C = H.inverse();
+  own += C;
+  for (const LinearisedObservation& s : observations) {
+    if (s.column < 0) continue;
+    by_unknowns.middleRows<3>(equations_->first(s.column)) -=
+        sign * (s.by_pose.transpose() * s.by_position * C);
+  }
+}
+
+Eigen::Matrix2d FullGraphProblem::relative_covariance(int a, int b) {
+  Eigen::Matrix<double, Eigen::Dynamic, 2> by_unknowns;
+  by_unknowns.setZero(equations_->num_unknowns(), 2);
+  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();
+  add_position(b, 1.0, by_unknowns, P);
+  add_position(a, -1.0, by_unknowns, P);
+  for (int i = 0; i < 2; ++i) {
+    P.col(i) += by_unknowns.transpose() * equations_->solve(by_unknowns.col(i));
+  }
+  return 0.5 * (P + P.transpose());
+}
+
+std::optional<SelectedInverse> FullGraphProblem::covariances() {
+  if (!factorise()) return std::nullopt;
   return std::move(*equations_).inverse();
 }
 

@@ -44,6 +44,14 @@ class FullGraphProblem {
   /// Consumes the equations, so no solve may follow.
   std::optional<SelectedInverse> covariances();
 
+  /// Factorises the equations at the present values, for relative_covariance(); returns false if
+  /// the information is singular.
+  bool factorise();
+
+  /// Returns the covariance of the position of landmark `b` minus that of `a`, both observed at
+  /// least once; call after factorise().
+  Eigen::Matrix2d relative_covariance(int a, int b);
+
   /// First row in covariances() of a pose (negative if it is fixed) or a calibration.
   int pose_row(int keyframe) const;
   int calibration_row(int index) const;
@@ -91,6 +99,10 @@ class FullGraphProblem {
   const std::vector<LinearisedObservation>& linearised_observations(int landmark,
                                                                     const Eigen::VectorXd& values,
                                                                     bool robust);
+  /// Adds `sign` times a landmark's position to a difference of positions, given as its derivative
+  /// by the equations' unknowns and the covariance of what they do not determine.
+  void add_position(int landmark, double sign,
+                    Eigen::Matrix<double, Eigen::Dynamic, 2>& by_unknowns, Eigen::Matrix2d& own);
   std::optional<Step> find_step(const Eigen::VectorXd& values, bool robust, double damping);
   double norm(const Eigen::VectorXd& values) const;
 

@@ -69,6 +69,7 @@ void FullGraphProblem::add_factors(const SlamConfig& config) {
 
 void FullGraphProblem::add_positions(int keyframe) {
   for (const AbsolutePosition& p : graph_.keyframes[keyframe].positions) {
+    if (p.is_displaced) continue;
     if (p.receiver_error >= 0) {
       add(receiver_position_factor(p, graph_.receiver.noise), true,
           {keyframe, receiver_block(p.receiver_error)});

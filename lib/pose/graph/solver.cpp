@@ -265,4 +265,14 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
   return solution;
 }
 
+std::optional<std::vector<Eigen::Matrix2d>> relative_covariances(
+    const SlamGraph& graph, const std::vector<std::pair<int, int>>& pairs,
+    const SlamConfig& config) {
+  FullGraphProblem problem(graph, config);
+  if (!problem.factorise()) return std::nullopt;
+  std::vector<Eigen::Matrix2d> covariances;
+  for (const auto& [a, b] : pairs) covariances.push_back(problem.relative_covariance(a, b));
+  return covariances;
+}
+
 }  // namespace orchard::pose

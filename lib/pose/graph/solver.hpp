@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/graph.hpp"
@@ -36,5 +38,12 @@ struct GraphSolution {
 /// receiver model and the learnt calibration_walk_sd. `after_closure`: solves first without the
 /// robust loss, which would treat the new closure as an outlier.
 GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config);
+
+/// Returns the covariance in map of each pair's second position minus its first [m2], by all
+/// measurements of a solved graph; none if the information is singular. All landmarks of the pairs
+/// must have been observed.
+std::optional<std::vector<Eigen::Matrix2d>> relative_covariances(
+    const SlamGraph& graph, const std::vector<std::pair<int, int>>& pairs,
+    const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "geometry/pose2.hpp"
-#include "pose/slam/duplicate_landmarks.hpp"
 #include "pose/slam/local_map.hpp"
 #include "pose/slam/slam_undo.hpp"
 
@@ -32,6 +31,8 @@ constexpr int kNumAnchors = 3;
 constexpr double kTryGrowth = 0.02;
 // Mean squared Mahalanobis distance of merged observations above which a closure is undone.
 constexpr double kRefutedDistance2 = 9.0;
+// Max number of solves for landmarks that are merged at the end of the drive: bounds its time.
+constexpr int kSolvesAtEndMax = 6;
 // The search radius is this many sigmas of the pose plus a margin.
 constexpr double kSearchSigmas = 4.0;
 constexpr double kSearchMargin_m = 1.0;
@@ -159,7 +160,8 @@ void LoopCloser::close(SlamMap& map) {
   num_keyframes_ = static_cast<int>(map.graph.keyframes.size());
   SlamUndo undo(map);
   for (const auto& [recent, old] : closure.matches) map.graph.merge(recent, old);
-  if (map.solve(SolveReason::kLoopClosure) && is_supported(closure.matches, map.graph)) {
+  const auto fits = [&](const SlamGraph& graph) { return is_supported(closure.matches, graph); };
+  if (map.solve(SolveReason::kLoopClosure, fits)) {
     map.session_start = 0;
     map.lost = false;
     ++num_closures_;
@@ -170,24 +172,8 @@ void LoopCloser::close(SlamMap& map) {
 }
 
 void LoopCloser::merge_duplicate_landmarks(SlamMap& map) {
-  std::vector<std::pair<int, int>> duplicates =
-      find_duplicate_landmarks(map.graph, map.index, map.coverage, config_);
-  // The first round drops pairs that do not fit after the solve; in the second all pairs must fit.
-  for (int round = 0; round < 2 && !duplicates.empty(); ++round) {
-    SlamUndo undo(map);
-    for (const auto& [twin, into] : duplicates) map.graph.merge(twin, into);
-    const bool solved = map.solve(SolveReason::kDuplicatesAtEnd);
-    const auto fits = [&](const std::pair<int, int>& pair) {
-      return mean_distance2(pair.second, map.graph) <= kRefutedDistance2;
-    };
-    if (solved && std::all_of(duplicates.begin(), duplicates.end(), fits)) return;
-    if (solved) {
-      duplicates.erase(std::remove_if(duplicates.begin(), duplicates.end(),
-                                      [&](const auto& pair) { return !fits(pair); }),
-                       duplicates.end());
-    }
-    undo.restore();
-    if (!solved) return;
+  for (int i = 0; i < kSolvesAtEndMax && map.num_merged > 0; ++i) {
+    if (!map.solve(SolveReason::kDuplicatesAtEnd)) return;
   }
 }
 

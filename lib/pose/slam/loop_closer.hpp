@@ -25,8 +25,8 @@ class LoopCloser {
   /// search.
   void close(SlamMap& map);
 
-  /// Merges trees that were mapped twice (see find_duplicate_landmarks) if all their observations
-  /// fit after the solve. Call at the end of the drive, after the whole solve.
+  /// Call after the solve at the end of the drive: solves again while that merges landmarks that
+  /// are one tree (see find_same_trees), because each merge makes others surer.
   void merge_duplicate_landmarks(SlamMap& map);
 
   /// True if the landmarks passed last fit the map in more than one way.

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/submaps.hpp"
 #include "pose/slam/local_map.hpp"
+#include "pose/slam/same_tree.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
@@ -94,7 +96,7 @@ int SlamMap::add_landmark(const ScanPoint& point) {
   return id;
 }
 
-bool SlamMap::solve(SolveReason reason) {
+bool SlamMap::solve(SolveReason reason, const std::function<bool(const SlamGraph&)>& accept) {
   num_solved = static_cast<int>(graph.keyframes.size());
   const auto num_landmarks =
       std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
@@ -113,13 +115,13 @@ bool SlamMap::solve(SolveReason reason) {
     solution = solve_graph(submaps.graph, is_closure, config_);
     if (solution.solved) back_substitute(submaps, graph);
   }
-  if (!solution.solved) return false;
+  if (!solution.solved || !accept(graph)) return false;
   const Eigen::Matrix3d P = solution.calibration_covariance.value_or(calibration.covariance);
   if (P.allFinite()) {
     calibration = {newest_calibration(), P};
     num_calibrated = static_cast<int>(graph.calibrations.size());
   }
-  merge_duplicates();
+  num_merged = merge_same_trees();
   std::vector<SlamGraph::Update> updates;
   for (const SlamLandmark& l : graph.landmarks) {
     updates.push_back(l.keyframes.empty()      ? SlamGraph::Update::kNone
@@ -146,22 +148,23 @@ void SlamMap::archive_old_observations() {
   }
 }
 
-void SlamMap::merge_duplicates() {
+int SlamMap::merge_same_trees() {
   rebuild_index();
-  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
-    if (!graph.landmarks[l].confirmed) continue;
-    for (const int other : index.near(graph.landmarks[l].p_map, config_.merge_m)) {
-      if (other <= l || !graph.landmarks[other].confirmed) continue;
-      const SlamLandmark& a = graph.landmarks[l];
-      const SlamLandmark& b = graph.landmarks[other];
-      const double distance_m = (b.p_map - a.p_map).norm();
-      // Landmarks observed in one keyframe are two objects, unless they overlap: trunks never do.
-      const bool overlap = distance_m < 0.5 * (a.width_m + b.width_m);
-      if (distance_m <= config_.merge_m && (overlap || !graph.co_observed(l, other))) {
-        graph.merge(other, l);
-      }
-    }
+  std::map<int, int> merged;  // per landmark that was merged: into which
+  const auto now = [&](int l) {
+    for (auto at = merged.find(l); at != merged.end(); at = merged.find(l)) l = at->second;
+    return l;
+  };
+  for (const auto& [l, other] : find_same_trees(graph, index, coverage, config_)) {
+    const int a = std::min(now(l), now(other)), b = std::max(now(l), now(other));
+    if (a == b) continue;
+    // A merge before this one may have brought observations of both by one keyframe.
+    if (graph.co_observed(a, b) && !trunks_overlap(graph.landmarks[a], graph.landmarks[b]))
+      continue;
+    graph.merge(b, a);
+    merged[b] = a;
   }
+  return static_cast<int>(merged.size());
 }
 
 void SlamMap::rebuild_index() {

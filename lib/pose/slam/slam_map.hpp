@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -54,9 +55,12 @@ class SlamMap {
   /// Moves observations that are unlikely to change any more to the graph's memory.
   void archive_old_observations();
 
-  /// Solves the whole graph, merges duplicate landmarks and updates all dependent members. Returns
-  /// false, with only num_solved changed, if the solver failed.
-  bool solve(SolveReason reason);
+  /// Solves the whole graph, merges landmarks that are one tree and updates all dependent members.
+  /// Returns false, with nothing merged, if the solver failed (only num_solved is changed) or if
+  /// `accept` refuses the solved graph (poses and positions are changed).
+  bool solve(
+      SolveReason reason,
+      const std::function<bool(const SlamGraph&)>& accept = [](const SlamGraph&) { return true; });
 
   /// Call after adding an absolute position to the newest keyframe. Georeferences the map as soon
   /// as the positions determine its pose. From then on, solves the whole graph if the position is
@@ -72,12 +76,13 @@ class SlamMap {
   int session_start = 0;         ///< first keyframe of the present session
   bool lost = false;             ///< a session began although known landmarks should be in view
   int num_solved = 0;            ///< keyframes at the last whole solve
+  int num_merged = 0;            ///< landmarks that the last whole solve merged
   bool corrected = false;        ///< the past was corrected since it was last published
 
  private:
   void georeference();
   bool is_informative(const AbsolutePosition& position) const;
-  void merge_duplicates();
+  int merge_same_trees();
   void rebuild_index();
 
   SlamConfig config_;

@@ -146,6 +146,28 @@ TEST(PoseNode, AStationaryRobotIsAtTheOriginForEveryScan) {
   EXPECT_EQ(poses[0].x_m, 0.0);
 }
 
+/// Truth: the rule of trajectory_t that a correction holds for POSE before its utime.
+TEST(PoseNode, TheCorrectionAtTheEndHoldsForTheLastPose) {
+  PoseNode node(config_of(pose::PoseMode::kSlam));
+  std::int64_t last_pose_utime = 0, last_page_utime = 0;
+  const bus::Outbox send = [&](bus::Message m) {
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(&m)) last_pose_utime = pose->utime;
+    if (const auto* page = std::get_if<pose::TrajectoryPage>(&m)) last_page_utime = page->utime;
+  };
+  for (const bus::Message& input : straight_drive()) {
+    node.handle(input, send);
+    const auto* odometry = std::get_if<pose::Odometry>(&input);
+    if (!odometry || odometry->seq % 10 != 0) continue;
+    detection::Detections seen;
+    seen.utime = odometry->utime;
+    seen.seq = odometry->seq / 10;
+    node.handle(seen, send);
+  }
+  node.flush(send);
+  EXPECT_GT(last_pose_utime, 0);
+  EXPECT_GT(last_page_utime, last_pose_utime);
+}
+
 TEST(PoseNode, SaysWhatItWaitsFor) {
   PoseNode node(config_of(pose::PoseMode::kFixesAndOdometry));
   pose::Odometry odometry;

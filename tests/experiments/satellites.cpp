@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // For people: tests/experiments/satellites.sh. What a receiver that comes in bursts makes of the
-// path, seed by seed: mode fused run here, or a path that was made elsewhere (trajectory.csv).
+// path, seed by seed: mode fused run here, or a path that was made elsewhere (trajectory.csv); and
+// beside it what an estimator would reach that knows the true noise (satellites_bound.hpp).
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include <algorithm>
@@ -15,8 +16,9 @@
 
 #include <Eigen/LU>
 
+#include "experiments/satellites_bound.hpp"
 #include "io/config/config.hpp"
-#include "pose/make_localiser.hpp"
+#include "pose/filter/fusion.hpp"
 #include "simulation/simulator.hpp"
 
 namespace {
@@ -111,10 +113,12 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
                                   config.laser_rear};
   simulation::Simulator simulator(kind, seed, rig);
   const simulation::ReceiverSky sky(seed, config.simulation.gnss.sky);
-  const auto localiser = pose::make_localiser(config.pose, {}, config.laser, {});
+  pose::Fusion localiser(config.pose);
   const auto& datum = config.simulation.motion.datum;
   const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
   std::vector<PathPoint> live, smooth;
+  std::vector<pose::Odometry> motion;
+  std::vector<PlacedFix> direct_fixes;  // not reflected
   std::vector<Gap> gaps;
   double last_fix_s = 0.0, left_out_since_s = -1.0, left_out_most_s = 0.0;
   int num_fixes = 0, num_good_left_out = 0;
@@ -130,7 +134,7 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
     gaps.push_back({last_fix_s, now_s + 1e-3, way_m});
   };
   const auto take_correction = [&] {
-    if (const auto trajectory = localiser->take_correction()) {
+    if (const auto trajectory = localiser.take_correction()) {
       smooth.clear();
       for (const auto& p : trajectory->poses) smooth.push_back({seconds(p.utime), p.x_m, p.y_m});
       const auto& last = trajectory->poses.back();
@@ -139,26 +143,25 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   };
   while (const auto message = simulator.next()) {
     if (const auto* odometry = std::get_if<pose::Odometry>(&*message)) {
-      if (path_file.empty()) localiser->add(*odometry);
+      motion.push_back(*odometry);
+      if (path_file.empty()) localiser.add(pose::Measurement(*odometry));
     } else if (const auto* gnss = std::get_if<pose::Gnss>(&*message)) {
       const double now_s = seconds(gnss->utime);
       const simulation::Pose2 truth = simulator.scene().path.pose_at(now_s);
       add_gap(now_s);
       last_fix_s = now_s;
       ++num_fixes;
-      if (!path_file.empty()) continue;
-      const auto before = localiser->estimate();
-      localiser->add(*gnss);
-      const auto after = localiser->estimate();
       double x_m = 0.0, y_m = 0.0, z_m = 0.0;
       enu.Forward(gnss->latitude_deg, gnss->longitude_deg, gnss->altitude_m, x_m, y_m, z_m);
+      if (!sky.is_reflected(now_s)) direct_fixes.push_back({now_s, {x_m, y_m}});
+      if (!path_file.empty()) continue;
+      localiser.add(pose::Measurement(*gnss));
       const auto& antenna = config.simulation.gnss.antenna_m;
       const simulation::Pose2 at = compose(truth, {antenna[0], antenna[1], 0.0});
       const bool good =
           std::hypot(x_m - at.x_m, y_m - at.y_m) < kGood_sigma * std::sqrt(gnss->covariance[0]) &&
           !sky.is_reflected(now_s);
-      // A fix that was taken makes the pose surer.
-      const bool taken = !before || !after || before->covariance != after->covariance;
+      const bool taken = !localiser.is_displaced();
       if (taken || !good) {
         if (taken) left_out_since_s = -1.0;
       } else {
@@ -167,13 +170,13 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
         left_out_most_s = std::max(left_out_most_s, now_s - left_out_since_s);
       }
     } else if (const auto* imu = std::get_if<pose::Imu>(&*message)) {
-      if (path_file.empty()) localiser->add(*imu);
+      if (path_file.empty()) localiser.add(pose::Measurement(*imu));
     } else {
       continue;
     }
     if (!path_file.empty()) continue;
     take_correction();
-    if (const auto estimate = localiser->estimate()) {
+    if (const auto estimate = localiser.estimate()) {
       const double time_s = seconds(estimate->utime);
       if (live.empty() || time_s > live.back().time_s) {
         live.push_back({time_s, estimate->x_m, estimate->y_m});
@@ -183,20 +186,32 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   }
   add_gap(simulator.scene().path.duration_s() + 1.0);
   if (path_file.empty()) {
-    localiser->finish();
+    localiser.finish();
     take_correction();
   } else {
     smooth = read_path(path_file);
   }
   const Judged now = judge(live, gaps, simulator.scene());
   const Judged then = judge(smooth, gaps, simulator.scene());
+  std::vector<PathPoint> bound_live, bound;
+  double nees_bound = 0.0;
+  for (const BoundPose& pose : bound_of(config, simulator.scene().path, motion, direct_fixes)) {
+    bound_live.push_back({pose.time_s, pose.told_m.x(), pose.told_m.y()});
+    bound.push_back({pose.time_s, pose.p_map_m.x(), pose.p_map_m.y()});
+    const simulation::Pose2 truth = simulator.scene().path.pose_at(pose.time_s);
+    const Eigen::Vector2d e = pose.p_map_m - Eigen::Vector2d(truth.x_m, truth.y_m);
+    nees_bound = e.dot(pose.covariance.inverse() * e);
+  }
+  const Judged best_now = judge(bound_live, gaps, simulator.scene());
+  const Judged best = judge(bound, gaps, simulator.scene());
   std::printf(
       "%4lu %5d %3zu  %7.3f %7.3f %7.3f  %7.3f %7.3f %7.3f  %5.2f %3d  %4d %5.1f  %6.2f %6.2f  "
-      "%s\n",
+      "%6.2f %6.2f %5.2f %3d %6.2f  %s\n",
       seed, num_fixes, gaps.size(), now.outside.rms_m(), now.outside.most_m, now.inside.rms_m(),
       then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.fraction_worst,
       then.num_fractions_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
-      localiser->warning().c_str());
+      best_now.outside.rms_m(), best.outside.rms_m(), 100.0 * best.fraction_worst,
+      best.num_fractions_good, nees_bound, localiser.warning().c_str());
   std::fflush(stdout);
 }
 
@@ -208,12 +223,14 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const auto config = io::load_config(argv[1]);
+    auto config = io::load_config(argv[1]);
+    config.simulation.scanner.rate_hz = 0.0;  // mode fused uses no scans
     const auto kind = simulation::find_scene(argv[2]);
     if (!kind) return 2;
-    std::printf("%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s\n", "seed",
-                "fixes", "gap", "now", "most", "in gap", "then", "most", "in gap", "way%", "<1%",
-                "good", "s", "NEES", "then");
+    std::printf(
+        "%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s  %6s %6s %5s %3s %6s\n",
+        "seed", "fixes", "gap", "now", "most", "in gap", "then", "most", "in gap", "way%", "<1%",
+        "good", "s", "NEES", "then", "bound", "then", "way%", "<1%", "NEES");
     for (unsigned long seed = std::strtoul(argv[3], nullptr, 10);
          seed <= std::strtoul(argv[4], nullptr, 10); ++seed) {
       run(config, *kind, seed, argc > 5 ? argv[5] : "");

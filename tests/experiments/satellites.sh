@@ -3,7 +3,9 @@
 # minute, multipath for a twentieth of the time. Over seeds 1-20 (or FIRST LAST): fixes, gaps, the
 # path as told at the time (RMSE outside of gaps, most, inside), the same once smoothed, the worst
 # gap's RMSE as percent of the way driven in it and how many gaps keep below one percent, good fixes
-# left out and for how long at most, NEES of the last pose (2 expected) told at the time and smoothed.
+# left out and for how long at most, NEES of the last pose (2 expected) told at the time and smoothed;
+# then the bound, an estimator that knows the true noise and which fixes are reflected: RMSE outside of
+# gaps as told and smoothed, its worst gap and gaps below one percent, NEES of the last pose.
 #   MODE=fused (slam: drives are simulated whole and mapped with fixes)  OUT=out/satellites
 #   RIG=config/park.yaml  SCENE=park  SED='s/a/b/' (another rig)  BUILD=build
 set -euo pipefail

@@ -26,24 +26,11 @@ constexpr double kSilenceYawRateSd_radps = 0.5;
 /// could be confused.
 constexpr double kWarnSd_m = 0.5;
 
-/// Innovation gate of satellite fixes, in standard deviations.
-constexpr double kGnssGate_sigma = 4.0;
-
-/// Possible error of the wheels as a fraction of the travel; a position that deviates less is never
-/// left out.
-constexpr double kWheelsOff = 0.1;
-
-/// Standard deviation added to the heading in this case [rad].
-constexpr double kWheelsOffYaw_rad = 0.5;
-
 /// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
 constexpr double kFixStep_s = 2.0;
 
-/// A position variance above this multiple of a fix's variance indicates a gap.
-constexpr double kGapSure = 4.0;
-
-/// Fixes that were left out for this long are used again [s].
-constexpr double kRevalidation_s = 20;
+/// Min probability of the likeliest hypothesis for the smoothed path to replace it.
+constexpr double kSureOfFixes = 0.9;
 
 constexpr double kImuFresh_s = 0.2;
 constexpr double kStandingSpeed_mps = 1e-3;
@@ -54,7 +41,7 @@ constexpr double kNoteShown_s = 5.0;
 
 Fusion::Fusion(const PoseConfig& config)
     : config_(config),
-      filter_(config.fusion),
+      hypotheses_(config.fusion),
       positions_(config.gnss),
       heading_initialiser_(config.heading_baseline_m),
       is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {
@@ -88,19 +75,27 @@ void Fusion::add(const Odometry& odometry) {
   }
   odometry_ = odometry;
   if (smoother_) {
-    smoother_->add(last_measured_motion(), filter_.mean().head<3>());
-    if (const auto pose = smoother_->observe()) {
+    smoother_->add(last_measured_motion(), filter().mean().head<3>());
+    if (const auto pose = smoother_->observe(hypotheses_.best().displaced)) {
       // With an IMU the turns come from the gyro and do not show the wheels' errors.
       const auto changes = smoother_->wheel_error_noise();
-      if (changes && !config_.fusion.use_imu) filter_.set_wheel_error_noise(*changes);
-      filter_.set_smoothed_pose(pose->T_map_base, pose->covariance, pose->receiver_error_m);
+      for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
+        if (changes && !config_.fusion.use_imu) h.filter.set_wheel_error_noise(*changes);
+      }
+      if (!is_displaced() && hypotheses_.best_weight() > kSureOfFixes) {
+        hypotheses_.keep_best();
+        hypotheses_.all().front().filter.set_smoothed_pose(pose->T_map_base, pose->covariance,
+                                                           pose->receiver_error_m);
+      }
     }
   }
   const bool stands = std::abs(odometry.speed_mps) < kStandingSpeed_mps &&
                       std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
   if (stands && has_gyro_at(odometry.utime)) {
     const double sd_radps = std::max(config_.fusion.gyro_sd_radps, 1e-4);
-    filter_.correct_gyro_bias(imu_->angular_rate_radps[2], geometry::square(sd_radps));
+    for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
+      h.filter.correct_gyro_bias(imu_->angular_rate_radps[2], geometry::square(sd_radps));
+    }
   }
 }
 
@@ -125,7 +120,7 @@ void Fusion::add(const Gnss& gnss) {
   observation.covariance = position->covariance;
   observation.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
   observation.is_gnss = true;
-  const Eigen::Vector2d antenna_m = filter_.p_map_m(observation.p_base_m);
+  const Eigen::Vector2d antenna_m = filter().p_map_m(observation.p_base_m);
   if (last_fix_ && is_placed_ && timing::seconds(gnss.utime - last_fix_->utime) <= kFixStep_s) {
     monitor_.add_step_error((observation.p_map_m - last_fix_->p_map_m) -
                             (antenna_m - last_fix_->antenna_m));
@@ -136,7 +131,7 @@ void Fusion::add(const Gnss& gnss) {
     observation.covariance = position->covariance;  // the smoother weighs positions by itself
     smooth(observation);
   }
-  last_fix_ = LastFix{gnss.utime, observation.p_map_m, filter_.p_map_m(observation.p_base_m)};
+  last_fix_ = LastFix{gnss.utime, observation.p_map_m, filter().p_map_m(observation.p_base_m)};
 }
 
 /// Splits the variance of a fix into white noise and a time-correlated error, by the scatter of the
@@ -144,8 +139,11 @@ void Fusion::add(const Gnss& gnss) {
 void Fusion::set_receiver_noise(PositionObservation& observation) {
   const double claimed = observation.covariance.diagonal().maxCoeff();
   const std::optional<double> scatter_m = monitor_.scatter_m();
+  const auto set_lasting = [this](double variance) {
+    for (FixHypotheses::Hypothesis& h : hypotheses_.all()) h.filter.set_receiver_variance(variance);
+  };
   if (!scatter_m) {
-    filter_.set_receiver_variance(claimed);
+    set_lasting(claimed);
     return;
   }
   const double scatter = geometry::square(*scatter_m);
@@ -158,52 +156,32 @@ void Fusion::set_receiver_noise(PositionObservation& observation) {
   // variance.
   const double lasting = std::max(0.0, claimed - 2.0 * scatter);
   observation.covariance *= 1.0 - lasting / claimed;
-  filter_.set_receiver_variance(lasting);
-}
-
-bool Fusion::is_outlier(const PositionObservation& observation) {
-  if (filter_.mahalanobis2(observation) <= geometry::square(kGnssGate_sigma)) return false;
-  const double off_m = (observation.p_map_m - filter_.p_map_m(observation.p_base_m)).norm();
-  if (off_m > kWheelsOff * taken_travel_m_) {
-    if (!outliers_since_) outliers_since_ = *utime_;
-    const double since_s = timing::seconds(*utime_ - *outliers_since_);
-    // Either these fixes are wrong (reflected signals) or those before: trust the longer series
-    // since the last gap.
-    const double patience_s = timing::seconds(*outliers_since_ - consistent_since_);
-    if (since_s < std::min(kRevalidation_s, patience_s)) {
-      note(fmt::format(
-          "GNSS is {:.1f} m from any possible position of the robot: ignored for {:.1f} s", off_m,
-          since_s));
-      return true;
-    }
-    filter_.reset_receiver_error();
-  }
-  filter_.inflate_covariance(geometry::square(off_m), geometry::square(kWheelsOffYaw_rad));
-  return false;
+  set_lasting(lasting);
 }
 
 void Fusion::use_position(const PositionObservation& observation) {
   if (!is_placed_) {
     const auto frame =
-        heading_initialiser_.add(filter_.p_map_m(observation.p_base_m), observation.p_map_m,
+        heading_initialiser_.add(filter().p_map_m(observation.p_base_m), observation.p_map_m,
                                  observation.covariance.diagonal().maxCoeff());
-    if (frame) start(*frame);
+    if (frame) start(*frame, observation.is_gnss);
     return;
   }
-  filter_.decorrelate_unknown_heading();
-  const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
-  const double claimed = observation.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
-  // After a gap the earlier agreement no longer counts.
-  if (!outliers_since_ && known > kGapSure * claimed) consistent_since_ = *utime_;
-  if (is_outlier(observation)) return;
-  if (outliers_since_) consistent_since_ = *outliers_since_;
-  outliers_since_.reset();
-  taken_travel_m_ = 0.0;
-  filter_.correct(observation);
+  const double claimed =
+      observation.covariance.diagonal().maxCoeff() + filter().receiver_variance();
+  for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
+    h.filter.decorrelate_unknown_heading(claimed);
+  }
+  hypotheses_.correct(observation, *utime_);
+  if (!is_displaced()) return;
+  const DisplacedTime& displaced = hypotheses_.best().displaced.back();
+  note(fmt::format("{} {:.1f} m from any possible position of the robot: ignored for {:.1f} s",
+                   displaced.is_gnss ? "GNSS is" : "POSE_FIX is", filter().off_m(observation),
+                   timing::seconds(*utime_ - displaced.begin_utime)));
 }
 
-void Fusion::start(const LocalFrame& frame) {
-  const Eigen::Vector3d local = filter_.mean().head<3>();
+void Fusion::start(const LocalFrame& frame, bool is_gnss) {
+  const Eigen::Vector3d local = filter().mean().head<3>();
   const Eigen::Vector3d in_map = geometry::compose(frame.x_y_yaw, local);
   // The position is known best at the centre of the points; at base the heading's error adds.
   const Eigen::Vector2d arm =
@@ -211,20 +189,19 @@ void Fusion::start(const LocalFrame& frame) {
   const Eigen::Vector2d by_yaw(-arm.y(), arm.x());
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   covariance.topLeftCorner<2, 2>() =
-      (frame.position_variance + filter_.receiver_variance()) * Eigen::Matrix2d::Identity() +
+      (frame.position_variance + filter().receiver_variance()) * Eigen::Matrix2d::Identity() +
       frame.yaw_variance * by_yaw * by_yaw.transpose();
   covariance.topRightCorner<2, 1>() = frame.yaw_variance * by_yaw;
   covariance.bottomLeftCorner<1, 2>() = covariance.topRightCorner<2, 1>().transpose();
   covariance(2, 2) = frame.yaw_variance;
-  consistent_since_ = *utime_;
-  place(in_map, covariance);
-  filter_.reset_receiver_error();
+  place(in_map, covariance, is_gnss);
 }
 
-void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance) {
-  const Eigen::Vector3d local = filter_.mean().head<3>();
+void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
+                   bool is_gnss) {
+  const Eigen::Vector3d local = filter().mean().head<3>();
   smoother_->place(geometry::compose(x_y_yaw, geometry::between(local, Eigen::Vector3d::Zero())));
-  filter_.place(x_y_yaw, covariance);
+  hypotheses_.place(x_y_yaw, covariance, utime_.value_or(0), is_gnss);
   is_placed_ = true;
 }
 
@@ -238,7 +215,7 @@ void Fusion::smooth(const PositionObservation& observation, std::optional<double
   position.has_yaw = yaw_rad.has_value();
   position.yaw_rad = yaw_rad.value_or(0.0);
   position.yaw_sd_rad = yaw_sd_rad;
-  smoother_->add(*utime_, position, filter_.mean().head<3>());
+  smoother_->add(*utime_, position, filter().mean().head<3>());
 }
 
 /// Returns the last odometry, with the gyro's yaw rate if it is fresh.
@@ -261,7 +238,7 @@ std::optional<Trajectory> Fusion::take_correction() {
 
 void Fusion::finish() {
   is_finished_ = true;
-  if (smoother_) smoother_->finish();
+  if (smoother_) smoother_->finish(hypotheses_.best().displaced);
 }
 
 void Fusion::add(const PoseFix& fix) {
@@ -280,15 +257,17 @@ void Fusion::add(const PoseFix& fix) {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     covariance.topLeftCorner<2, 2>() = observation.covariance;
     covariance(2, 2) = yaw_variance;
-    place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance);
     utime_ = fix.utime;
+    place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance, false);
     return;
   }
   if (!odometry_) return;
   use_position(observation);
   smooth(observation, fix.has_yaw ? std::optional(fix.yaw_rad) : std::nullopt,
          std::sqrt(yaw_variance));
-  if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
+  for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
+    if (is_placed_ && fix.has_yaw) h.filter.correct_yaw(fix.yaw_rad, yaw_variance);
+  }
 }
 
 bool Fusion::has_gyro_at(std::int64_t utime) const {
@@ -314,14 +293,16 @@ void Fusion::move_to(std::int64_t utime) {
   const double grown = geometry::square(silent_s) - geometry::square(before_s);
   const double yaw_variance =
       has_gyro_at(utime) ? 0.0 : geometry::square(kSilenceYawRateSd_radps) * grown;
-  filter_.inflate_covariance(geometry::square(kSilenceSpeedSd_mps) * grown, yaw_variance);
+  for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
+    h.filter.inflate_covariance(geometry::square(kSilenceSpeedSd_mps) * grown, yaw_variance);
+  }
   if (has_gyro_at(utime)) {
     MotionStep turn;
     turn.dt_s = timing::seconds(utime - *utime_);
     turn.yaw_rate_radps = imu_->angular_rate_radps[2];
     turn.yaw_rate_sd_radps = config_.fusion.gyro_sd_radps;
     turn.is_gyro = true;
-    filter_.move(turn);
+    hypotheses_.move(turn);
   }
   note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot is unknown", silent_s));
   utime_ = utime;
@@ -347,24 +328,15 @@ void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps
     step.yaw_rate_sd_radps =
         states_covariance ? std::sqrt(covariance[2]) : config_.yaw_rate_sd_radps;
   }
-  filter_.move(step);
+  hypotheses_.move(step);
   travel_m_ += std::abs(speed_mps) * step.dt_s;
-  taken_travel_m_ += std::abs(speed_mps) * step.dt_s;
   utime_ = utime;
 }
 
 std::optional<PoseEstimate> Fusion::estimate() const {
   if (!is_placed_ || !utime_) return std::nullopt;
-  const FusionFilter::Vector& mean = filter_.mean();
-  const FusionFilter::Matrix& P = filter_.covariance();
-  if (!mean.allFinite() || !P.allFinite()) return std::nullopt;
-  PoseEstimate pose;
-  pose.utime = *utime_;
-  pose.x_m = mean(0);
-  pose.y_m = mean(1);
-  pose.yaw_rad = mean(2);
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
+  if (!filter().mean().allFinite() || !filter().covariance().allFinite()) return std::nullopt;
+  return hypotheses_.estimate(*utime_);
 }
 
 void Fusion::note(std::string text) {
@@ -394,7 +366,7 @@ std::string Fusion::warning() const {
   if (!is_placed_ && utime_) {
     return "no pose yet: the robot must drive a distance before GNSS or POSE_FIX give a heading";
   }
-  const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
+  const double worst_variance = filter().covariance().diagonal().head<2>().maxCoeff();
   if (is_placed_ && worst_variance > geometry::square(kWarnSd_m)) {
     return fmt::format("the position is uncertain: {:.2f} m (one sigma)",
                        std::sqrt(worst_variance));

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "pose/filter/fusion_filter.hpp"
+#include "pose/filter/fix_hypotheses.hpp"
 #include "pose/filter/gnss_monitor.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/filter/heading_initialiser.hpp"
@@ -19,10 +19,10 @@ namespace orchard::pose {
 /// Map is the east-north plane of the GNSS datum; POSE_FIX must be in this frame, too. Without GNSS
 /// and fixes the robot starts at the map's origin. With them there is no pose until the first fix
 /// with a heading, or until the dead-reckoned path fits the positions over heading_baseline_m.
-/// Impossible positions (jumps, a frozen receiver) are left out and reported by warning(). The
-/// scatter of a receiver's steps is its noise. If it clearly exceeds the claimed covariance, it is
-/// used instead; if it is less, the difference is a time-correlated error, so that a burst of fixes
-/// counts little more than one fix.
+/// Displaced positions (jumps, reflected signals) are found by FixHypotheses, left out and reported
+/// by warning(), as are those of a frozen receiver. The scatter of a receiver's steps is its noise.
+/// If it clearly exceeds the claimed covariance, it is used instead; if it is less, the difference
+/// is a time-correlated error, so that a burst of fixes counts little more than one fix.
 class Fusion : public Localiser {
  public:
   explicit Fusion(const PoseConfig& config);
@@ -34,18 +34,21 @@ class Fusion : public Localiser {
   std::string warning() const override;
 
   /// Returns the estimated sensor errors: speed scale, turn per metre [1/m], gyro bias [rad/s].
-  Eigen::Vector3d sensor_errors() const { return filter_.mean().segment<3>(3); }
+  Eigen::Vector3d sensor_errors() const { return filter().mean().segment<3>(3); }
+
+  /// Returns true if the latest position is held to be displaced, e.g. by reflected signals.
+  bool is_displaced() const { return hypotheses_.best().is_displaced; }
 
  private:
+  const FusionFilter& filter() const { return hypotheses_.best().filter; }
   void add(const Odometry& odometry);
   void add(const Imu& imu);
   void add(const Gnss& gnss);
   void add(const PoseFix& fix);
   void set_receiver_noise(PositionObservation& observation);
   void use_position(const PositionObservation& observation);
-  bool is_outlier(const PositionObservation& observation);
-  void start(const LocalFrame& T_map_local);
-  void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
+  void start(const LocalFrame& T_map_local, bool is_gnss);
+  void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance, bool is_gnss);
   void smooth(const PositionObservation& observation, std::optional<double> yaw_rad = std::nullopt,
               double yaw_sd_rad = 1.0);
   Odometry last_measured_motion() const;
@@ -56,7 +59,7 @@ class Fusion : public Localiser {
   void note(std::string text);
 
   PoseConfig config_;
-  FusionFilter filter_;
+  FixHypotheses hypotheses_;
   GnssPositions positions_;
   GnssMonitor monitor_;
   HeadingInitialiser heading_initialiser_;
@@ -66,8 +69,7 @@ class Fusion : public Localiser {
   std::optional<std::int64_t> utime_;  ///< time of the filter's state
   std::optional<Odometry> odometry_;
   std::optional<Imu> imu_;
-  double travel_m_ = 0.0;        ///< since the last GNSS fix
-  double taken_travel_m_ = 0.0;  ///< since the last position that was used
+  double travel_m_ = 0.0;  ///< since the last GNSS fix
 
   struct LastFix {
     std::int64_t utime;
@@ -75,8 +77,6 @@ class Fusion : public Localiser {
     Eigen::Vector2d antenna_m;  ///< estimated by the filter after this fix
   };
   std::optional<LastFix> last_fix_;
-  std::optional<std::int64_t> outliers_since_;
-  std::int64_t consistent_since_ = 0;  ///< positions since this time agree with the pose
   std::int64_t num_frozen_ = 0;
   std::int64_t num_odometry_gaps_ = 0;
   double odometry_gap_max_s_ = 0.0;

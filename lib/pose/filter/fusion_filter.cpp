@@ -30,12 +30,6 @@ constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
 /// densities.
 constexpr double kNoiseTime_s = 0.1;
 
-/// Standard deviation from which on the heading is lost, because linearisation fails [rad].
-constexpr double kLostYaw_rad = 1.0;
-/// For a shorter lever arm between heading and position the linearisation still holds, and a fix
-/// can correct the heading [m].
-constexpr double kLostArm_m = 10.0;
-
 enum Index {
   kX = 0,
   kY = 1,
@@ -47,11 +41,18 @@ enum Index {
   kSlip = 7,
   kTurnSlip = 8,
   kReceiverEast = 9,
-  kReceiverNorth = 10
+  kReceiverNorth = 10,
+  kDisplacedEast = 11,
+  kDisplacedNorth = 12
 };
 
 /// sin(a) / a
 double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
+
+/// Returns the variance of linearising the heading, given its covariance with a position: a heading
+/// error a over a path of length L displaces the position by L a^2 / 2 beyond the linear model,
+/// with mean square 0.75 L^2 var(a)^2; the covariance is L var(a).
+double bent_variance(const Eigen::Vector2d& covariance) { return 0.75 * covariance.squaredNorm(); }
 
 }  // namespace
 
@@ -153,33 +154,36 @@ void FusionFilter::set_smoothed_pose(const Eigen::Vector3d& x_y_yaw,
   place(x_y_yaw, covariance);
   reset_receiver_error();
   if (receiver_variance_ <= 0.0) return;
-  mean_.tail<2>() = receiver_error_m;
+  mean_.segment<2>(kReceiverEast) = receiver_error_m;
   const Eigen::Matrix2d P = covariance.topLeftCorner<2, 2>();
-  covariance_.bottomRightCorner<2, 2>() = P;
-  covariance_.topRightCorner<2, 2>() = -P;
-  covariance_.bottomLeftCorner<2, 2>() = -P;
+  covariance_.block<2, 2>(kReceiverEast, kReceiverEast) = P;
+  covariance_.block<2, 2>(kX, kReceiverEast) = -P;
+  covariance_.block<2, 2>(kReceiverEast, kX) = -P;
   covariance_.block<1, 2>(kYaw, kReceiverEast) = -covariance.block<1, 2>(2, 0);
   covariance_.block<2, 1>(kReceiverEast, kYaw) = -covariance.block<2, 1>(0, 2);
 }
 
-void FusionFilter::decorrelate_unknown_heading() {
-  const double variance = covariance_(kYaw, kYaw);
-  if (variance < geometry::square(kLostYaw_rad)) return;
-  if (covariance_.block<2, 1>(kX, kYaw).norm() < kLostArm_m * variance) return;
-  covariance_.topLeftCorner<2, 2>() +=
-      covariance_.block<2, 1>(kX, kYaw).squaredNorm() * Eigen::Matrix2d::Identity();
-  const double yaw_variance = std::min(variance, geometry::square(geometry::kPi) / 3.0);
+void FusionFilter::decorrelate_unknown_heading(double variance) {
+  const double bent2 = bent_variance(covariance_.block<2, 1>(kX, kYaw));
+  if (bent2 <= variance) return;
+  covariance_.topLeftCorner<2, 2>() += bent2 * Eigen::Matrix2d::Identity();
+  const double yaw_variance =
+      std::min(covariance_(kYaw, kYaw), geometry::square(geometry::kPi) / 3.0);
   covariance_.row(kYaw).setZero();
   covariance_.col(kYaw).setZero();
   covariance_(kYaw, kYaw) = yaw_variance;
 }
 
-void FusionFilter::reset_receiver_error() {
-  mean_.tail<2>().setZero();
-  covariance_.bottomRows<2>().setZero();
-  covariance_.rightCols<2>().setZero();
-  covariance_.bottomRightCorner<2, 2>() = receiver_variance_ * Eigen::Matrix2d::Identity();
+void FusionFilter::restart(int first, double variance) {
+  mean_.segment<2>(first).setZero();
+  covariance_.middleRows<2>(first).setZero();
+  covariance_.middleCols<2>(first).setZero();
+  covariance_.block<2, 2>(first, first) = variance * Eigen::Matrix2d::Identity();
 }
+
+void FusionFilter::reset_receiver_error() { restart(kReceiverEast, receiver_variance_); }
+
+void FusionFilter::begin_displacement(double variance) { restart(kDisplacedEast, variance); }
 
 Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
     const PositionObservation& observation) const {
@@ -188,20 +192,37 @@ Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
   const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * observation.p_base_m;
   H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
   if (observation.is_gnss) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
+  if (observation.is_displaced) H(0, kDisplacedEast) = H(1, kDisplacedNorth) = 1.0;
   return H;
 }
 
 Eigen::Vector2d FusionFilter::innovation(const PositionObservation& observation) const {
-  const Eigen::Vector2d off_m = observation.p_map_m - p_map_m(observation.p_base_m);
-  return observation.is_gnss ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
+  Eigen::Vector2d off_m = observation.p_map_m - p_map_m(observation.p_base_m);
+  if (observation.is_gnss) off_m -= mean_.segment<2>(kReceiverEast);
+  if (observation.is_displaced) off_m -= mean_.segment<2>(kDisplacedEast);
+  return off_m;
 }
 
-/// Returns the noise of an observation, plus the error of linearising the heading: a heading error
-/// a over a path of length L displaces base by L a^2 / 2 beyond the linear model, with mean square
-/// 0.75 L^2 var(a)^2. L is the derivative of the position by the heading.
+/// Returns the noise of an observation, plus the error of linearising the heading. Earlier
+/// observations with the same slow error or displacement have shortened its lever arm.
 Eigen::Matrix2d FusionFilter::noise(const PositionObservation& observation) const {
-  const double bent2 = 0.75 * covariance_.block<2, 1>(kX, kYaw).squaredNorm();
-  return observation.covariance + bent2 * Eigen::Matrix2d::Identity();
+  Eigen::Vector2d arm = covariance_.block<2, 1>(kX, kYaw);
+  if (observation.is_gnss) arm += covariance_.block<2, 1>(kReceiverEast, kYaw);
+  if (observation.is_displaced) arm += covariance_.block<2, 1>(kDisplacedEast, kYaw);
+  return observation.covariance + bent_variance(arm) * Eigen::Matrix2d::Identity();
+}
+
+double FusionFilter::off_m(const PositionObservation& observation) const {
+  return innovation(observation).norm();
+}
+
+double FusionFilter::log_likelihood(const PositionObservation& observation,
+                                    double added_variance) const {
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
+  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(observation) +
+                            added_variance * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d off_m = innovation(observation);
+  return -0.5 * (off_m.dot(S.inverse() * off_m) + std::log(S.determinant()));
 }
 
 double FusionFilter::mahalanobis2(const PositionObservation& observation) const {

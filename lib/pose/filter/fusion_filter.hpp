@@ -35,16 +35,18 @@ struct PositionObservation {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< the measured point, e.g. the antenna
-  bool is_gnss = false;  ///< by GNSS: contains the receiver's slow error, too
+  bool is_gnss = false;       ///< by GNSS: contains the receiver's slow error, too
+  bool is_displaced = false;  ///< contains the displacement of the filter's state, too
 };
 
 /// Extended Kalman filter over the pose of base and the errors of its sensors. State: x, y, yaw in
 /// map; the wheels' scale error; their turn per metre (unequal wheels, steering offset) [1/m]; the
 /// gyro bias [rad/s]; the scale error of the wheels' turns; the slip of the present ground, along
-/// the path and in turns; the receiver's slow error to the east and north [m].
+/// the path and in turns; the receiver's slow error to the east and north [m]; the displacement of
+/// positions at present, e.g. by reflected signals [m].
 class FusionFilter {
  public:
-  static constexpr int kSize = 11;
+  static constexpr int kSize = 13;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
@@ -82,12 +84,24 @@ class FusionFilter {
   void set_smoothed_pose(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
                          const Eigen::Vector2d& receiver_error_m);
 
-  /// Decorrelates the heading from the position if the heading is unknown: the positions then lie
-  /// on a circle, which a Gaussian cannot represent.
-  void decorrelate_unknown_heading();
+  /// Begins a displacement of positions with this variance per axis [m2], in place of an earlier
+  /// one.
+  void begin_displacement(double variance);
+  void end_displacement() { begin_displacement(0.0); }
+
+  /// Decorrelates the heading from the position if linearising the heading errs by more than this
+  /// variance of a fix [m2]: the positions then lie on an arc, which a Gaussian cannot represent.
+  void decorrelate_unknown_heading(double variance);
 
   /// Returns the squared Mahalanobis distance of the innovation; 2 degrees of freedom.
   double mahalanobis2(const PositionObservation& observation) const;
+
+  /// Returns the distance of an observation from the expected one [m].
+  double off_m(const PositionObservation& observation) const;
+
+  /// Returns the log-likelihood of an observation, up to a constant, if its noise per axis has this
+  /// additional variance [m2].
+  double log_likelihood(const PositionObservation& observation, double added_variance) const;
 
   void correct(const PositionObservation& observation);
   void correct_yaw(double yaw_rad, double variance);
@@ -99,6 +113,7 @@ class FusionFilter {
   template <int N>
   void apply(const Eigen::Matrix<double, N, 1>& innovation,
              const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
+  void restart(int first, double variance);
   Eigen::Matrix<double, 2, kSize> jacobian(const PositionObservation& observation) const;
   Eigen::Vector2d innovation(const PositionObservation& observation) const;
   Eigen::Matrix2d noise(const PositionObservation& observation) const;

@@ -44,6 +44,17 @@ SlamConfig graph_config(const PoseConfig& config) {
   return graph;
 }
 
+void mark_displaced(const std::vector<DisplacedTime>& displaced, SlamGraph& graph) {
+  auto time = displaced.begin();
+  for (Keyframe& keyframe : graph.keyframes) {
+    for (AbsolutePosition& position : keyframe.positions) {
+      while (time != displaced.end() && time->end_utime < position.utime) ++time;
+      position.is_displaced = time != displaced.end() && time->begin_utime <= position.utime &&
+                              time->is_gnss == position.is_gnss;
+    }
+  }
+}
+
 PoseEstimate pose_estimate(const Keyframe& k) {
   PoseEstimate pose;
   pose.utime = k.utime;
@@ -114,16 +125,17 @@ void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
   apply_georeference(T_map_local, graph_);
 }
 
-std::optional<SmoothedPose> PathSmoother::observe() {
+std::optional<SmoothedPose> PathSmoother::observe(const std::vector<DisplacedTime>& displaced) {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return std::nullopt;
   const bool has_grown =
       static_cast<double>(graph_.keyframes.size()) >= num_solved_ * (1.0 + kGrowth) + kKeyframesMin;
   const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
   if (!has_grown && !is_due) return std::nullopt;
-  if (!solve()) return std::nullopt;
+  if (!solve(displaced)) return std::nullopt;
   // In a gap dead reckoning continues better from its own state than from a new estimate.
   if (graph_.keyframes.back().travel_m - position_travel_m_ > kKeyframeTravel_m)
     return std::nullopt;
+  if (left_out().newest_contradicts) return std::nullopt;
   const Keyframe& newest = graph_.keyframes.back();
   const Eigen::Vector3d delta = motion_.motion().delta_with(graph_.calibrations.back());
   SmoothedPose pose;
@@ -135,17 +147,18 @@ std::optional<SmoothedPose> PathSmoother::observe() {
   return pose;
 }
 
-void PathSmoother::finish() {
+void PathSmoother::finish(const std::vector<DisplacedTime>& displaced) {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return;
   const Keyframe& last = graph_.keyframes.back();
   if (motion_.utime() > last.utime) {
     add_keyframe(geometry::compose(last.T_map_base,
                                    motion_.motion().delta_with(graph_.calibrations.back())));
   }
-  solve();
+  solve(displaced);
 }
 
-bool PathSmoother::solve() {
+bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced) {
+  mark_displaced(displaced, graph_);
   num_solved_ = static_cast<int>(graph_.keyframes.size());
   due_travel_m_.reset();
   SlamGraph before = graph_;
@@ -154,13 +167,13 @@ bool PathSmoother::solve() {
   GraphSolution solution = solve_graph(graph_, true, config_);
   if (!solution.solved) return false;
   RejectedFixes out = left_out();
-  if (out.num_left_out > kLeftOutMax * out.num_fixes) {  // gross outliers distorted that start
+  if (out.num_contradicting > kLeftOutMax * out.num_fixes) {  // gross outliers distorted that start
     graph_ = before;
     solution = solve_graph(graph_, false, config_);
     if (!solution.solved) return false;
     out = left_out();
   }
-  if (out.num_left_out > kLeftOutMax * out.num_fixes) {
+  if (out.num_contradicting > kLeftOutMax * out.num_fixes) {
     graph_ = std::move(before);  // too many positions contradict the solution
     return false;
   }

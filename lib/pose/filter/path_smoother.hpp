@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
-#include "pose/filter/fusion_filter.hpp"
+#include "pose/filter/fix_hypotheses.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/pose_config.hpp"
@@ -40,11 +41,12 @@ class PathSmoother {
   void place(const Eigen::Vector3d& T_map_local);
 
   /// Solves when the path has grown by a tenth, and some metres after a gap. Returns the present
-  /// pose after a solve; none within a gap, where dead reckoning is better.
-  std::optional<SmoothedPose> observe();
+  /// pose after a solve; none within a gap, where dead reckoning is better, and none if the solved
+  /// path contradicts the newest position. Displaced positions are left out.
+  std::optional<SmoothedPose> observe(const std::vector<DisplacedTime>& displaced);
 
   /// Solves with all measurements, at the end of the drive.
-  void finish();
+  void finish(const std::vector<DisplacedTime>& displaced);
 
   std::optional<Trajectory> take_correction();
 
@@ -57,7 +59,7 @@ class PathSmoother {
  private:
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
-  bool solve();
+  bool solve(const std::vector<DisplacedTime>& displaced);
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< motion since the newest keyframe

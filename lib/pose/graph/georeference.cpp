@@ -15,6 +15,7 @@ using geometry::between;
 using geometry::compose;
 using geometry::compose_jacobian_second;
 using geometry::rotation;
+using geometry::square;
 using geometry::transform;
 
 namespace {
@@ -150,11 +151,14 @@ RejectedFixes rejected_fixes(const SlamGraph& graph) {
       ++all.num_fixes;
       const Eigen::Vector2d off_m = position.p_map - p_by_path(k, position);
       const double variance = std::max(1.0, graph.receiver.noise) * per_axis(position);
-      if (off_m.squaredNorm() <= kLeftOut_sigma * kLeftOut_sigma * variance) {
+      const bool contradicts = off_m.squaredNorm() > square(kLeftOut_sigma) * variance;
+      if (!position.is_displaced) all.newest_contradicts = contradicts;
+      if (!contradicts && !position.is_displaced) {
         goes_on = false;
         continue;
       }
       ++all.num_left_out;
+      if (!position.is_displaced) ++all.num_contradicting;
       all.farthest_m = std::max(all.farthest_m, off_m.norm());
       if (!goes_on) since = position.utime;
       goes_on = true;

@@ -31,6 +31,8 @@ ReceiverModel estimate_receiver_model(const SlamGraph& graph);
 struct RejectedFixes {
   int num_fixes = 0;  ///< all fixes
   int num_left_out = 0;
+  int num_contradicting = 0;        ///< of those that were not known to be displaced
+  bool newest_contradicts = false;  ///< of the same
   double farthest_m = 0.0;
   double longest_s = 0.0;  ///< longest time from the first to the last of consecutive ones
 };

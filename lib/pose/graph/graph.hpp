@@ -23,8 +23,9 @@ struct AbsolutePosition {
   bool has_yaw = false;
   double yaw_rad = 0.0;
   double yaw_sd_rad = 1.0;
-  bool is_gnss = false;     ///< by GNSS: shares the receiver's correlated error
-  int receiver_error = -1;  ///< index in SlamGraph::receiver_errors
+  bool is_gnss = false;       ///< by GNSS: shares the receiver's correlated error
+  bool is_displaced = false;  ///< e.g. by reflected signals: left out
+  int receiver_error = -1;    ///< index in SlamGraph::receiver_errors
 };
 
 /// Correlated error of a satellite receiver, common to all its fixes of a short time.

@@ -83,6 +83,7 @@ void GraphProblem::add_observation(int keyframe, const SlamObservation& observat
 void GraphProblem::add_positions(int keyframe) {
   if (!graph_.georeferenced) return;
   for (const AbsolutePosition& p : graph_.keyframes[keyframe].positions) {
+    if (p.is_displaced) continue;
     if (p.receiver_error >= 0) {
       receiver_errors_.insert(p.receiver_error);
       measurements_.push_back(problem_.AddResidualBlock(

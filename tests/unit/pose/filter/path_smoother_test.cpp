@@ -41,10 +41,10 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
       position.is_gnss = true;
       smoother.add(odometry.utime, position, guess);
     }
-    smoother.observe();
+    smoother.observe({});
   }
   ASSERT_TRUE(smoother.take_correction());  // at the gap's end at the latest
-  smoother.finish();
+  smoother.finish({});
   const auto trajectory = smoother.take_correction();
   ASSERT_TRUE(trajectory);
   EXPECT_FALSE(smoother.take_correction());

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/filter/fix_hypotheses.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
+#include "timing/units.hpp"
+
+namespace orchard::pose {
+namespace {
+
+/// Fraction of the time with displaced positions, and mean duration of one displacement [s]: a
+/// vehicle passes a wall or a tree that reflects a signal within seconds.
+constexpr double kDisplacedFraction = 0.05;
+constexpr double kDisplacedFor_s = 10.0;
+
+/// Standard deviation of a displacement per axis [m]: an additional path of a signal is a fraction
+/// of a chip of 293 m (Kaplan and Hegarty 2006, section 6.2); a larger one found is its own scale.
+constexpr double kDisplacedSd_m = 10.0;
+
+/// Travel in which the wheels err once beyond what the filter models [m]: a tyre loses air, soft
+/// ground. They then turn by as much per metre as the filter's prior allows [1/m], and the heading
+/// changes by at most kSlipYaw_rad.
+constexpr double kSlipEvery_m = 1000.0;
+constexpr double kSlipCurvature_per_m = 0.02;
+constexpr double kSlipYaw_rad = 0.5;
+
+/// Time in which the receiver's reference moves once, and in which the robot is carried once [s]:
+/// as far as a displacement, but for good.
+constexpr double kMovedEvery_s = 5e3;
+
+/// A direct position that deviates less needs no such explanation [standard deviations].
+constexpr double kMoved_sigma = 4.0;
+
+constexpr std::size_t kHypothesesMax = 12;
+
+/// A hypothesis with less than a millionth of the best's weight is dropped.
+constexpr double kLogWeightMin = -14.0;
+
+/// Hypotheses whose poses differ by less are one [squared standard deviations].
+constexpr double kSame2 = 0.1;
+
+enum class Event { kGoesOn, kBegins, kEnds, kMoves };
+
+struct Branch {
+  std::size_t parent = 0;
+  Event event = Event::kGoesOn;
+  double log_weight = 0.0;
+  double variance = 0.0;      ///< of the displacement, or of the unmeasured motion [m2]
+  double yaw_variance = 0.0;  ///< of the unmeasured turn [rad2]
+};
+
+bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesis& b) {
+  if (a.is_displaced != b.is_displaced) return false;
+  Eigen::Vector3d off = b.filter.mean().head<3>() - a.filter.mean().head<3>();
+  off.z() = geometry::wrap_angle_rad(off.z());
+  const Eigen::Matrix3d P = a.filter.covariance().topLeftCorner<3, 3>();
+  return off.dot(P.ldlt().solve(off)) < kSame2;
+}
+
+}  // namespace
+
+FixHypotheses::FixHypotheses(const FusionConfig& config) {
+  all_.push_back({FusionFilter(config), 0.0, false, {}, 0.0});
+}
+
+double FixHypotheses::best_weight() const {
+  double sum = 0.0;
+  for (const Hypothesis& h : all_) sum += std::exp(h.log_weight - best().log_weight);
+  return 1.0 / sum;
+}
+
+void FixHypotheses::move(const MotionStep& step) {
+  for (Hypothesis& h : all_) {
+    h.filter.move(step);
+    h.travel_m += std::abs(step.speed_mps) * step.dt_s;
+  }
+  travel_m_ += std::abs(step.speed_mps) * step.dt_s;
+}
+
+void FixHypotheses::keep_best() {
+  all_.resize(1, all_.front());
+  all_.front().log_weight = 0.0;
+}
+
+void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
+                          std::int64_t utime, bool is_gnss) {
+  keep_best();
+  Hypothesis& direct = all_.front();
+  direct.filter.place(x_y_yaw, covariance);
+  direct.filter.reset_receiver_error();
+  direct.log_weight = std::log(1.0 - kDisplacedFraction);
+  Hypothesis displaced = direct;
+  displaced.log_weight = std::log(kDisplacedFraction);
+  displaced.is_displaced = true;
+  displaced.displaced.push_back({0, utime, is_gnss});
+  displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
+  displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
+  all_.push_back(std::move(displaced));
+}
+
+void FixHypotheses::correct(const PositionObservation& observation, std::int64_t utime) {
+  const double since_s =
+      position_utime_ ? std::max(0.0, timing::seconds(utime - *position_utime_)) : 0.0;
+  position_utime_ = utime;
+  const double since_m = std::exchange(travel_m_, 0.0);
+  // The chain forgets its state in the time of a displacement.
+  const double forgotten =
+      1.0 - std::exp(-since_s / (kDisplacedFor_s * (1.0 - kDisplacedFraction)));
+  const double begins = kDisplacedFraction * forgotten;
+  const double ends = (1.0 - kDisplacedFraction) * forgotten;
+  PositionObservation direct = observation;
+  direct.is_displaced = false;
+  PositionObservation displaced = observation;
+  displaced.is_displaced = true;
+
+  std::vector<Branch> branches;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const Hypothesis& h = all_[i];
+    const bool other = h.is_displaced && h.displaced.back().is_gnss != observation.is_gnss;
+    const auto add = [&](Event event, double probability, double log_likelihood, double variance,
+                         double yaw_variance = 0.0) {
+      if (probability <= 0.0) return;
+      branches.push_back({i, event, h.log_weight + std::log(probability) + log_likelihood, variance,
+                          yaw_variance});
+    };
+    const double as_direct = h.filter.log_likelihood(direct, 0.0);
+    if (other) {  // of two sources, one at a time is displaced
+      add(Event::kGoesOn, 1.0, as_direct, 0.0);
+      continue;
+    }
+    const double off_m = h.filter.off_m(direct);
+    const double variance = std::max(geometry::square(kDisplacedSd_m), geometry::square(off_m));
+    add(Event::kBegins, begins, h.filter.log_likelihood(direct, variance), variance);
+    if (h.is_displaced) {
+      add(Event::kGoesOn, 1.0 - ends - begins, h.filter.log_likelihood(displaced, 0.0), 0.0);
+      add(Event::kEnds, ends, as_direct, 0.0);
+    } else {
+      add(Event::kGoesOn, 1.0 - begins, as_direct, 0.0);
+    }
+    if (h.filter.mahalanobis2(direct) < geometry::square(kMoved_sigma)) continue;
+    const double slip_rad = std::min(kSlipYaw_rad, kSlipCurvature_per_m * h.travel_m);
+    const double slip2 = geometry::square(0.5 * slip_rad * h.travel_m);
+    add(Event::kMoves, 1.0 - std::exp(-since_m / kSlipEvery_m),
+        h.filter.log_likelihood(direct, slip2), slip2, geometry::square(slip_rad));
+    const double moves = 1.0 - std::exp(-since_s / kMovedEvery_s);
+    const double shift2 = geometry::square(off_m);
+    add(Event::kMoves, moves, h.filter.log_likelihood(direct, shift2), shift2);
+    add(Event::kMoves, moves, h.filter.log_likelihood(direct, variance), variance,
+        geometry::square(geometry::kPi) / 3.0);
+  }
+  std::stable_sort(branches.begin(), branches.end(),
+                   [](const Branch& a, const Branch& b) { return a.log_weight > b.log_weight; });
+
+  std::vector<Hypothesis> next;
+  const double best = branches.front().log_weight;
+  for (const Branch& branch : branches) {
+    if (next.size() == kHypothesesMax || branch.log_weight < best + kLogWeightMin) break;
+    Hypothesis h = all_[branch.parent];
+    h.log_weight = branch.log_weight - best;
+    switch (branch.event) {
+      case Event::kGoesOn:
+        break;
+      case Event::kBegins:
+        h.is_displaced = true;
+        h.filter.begin_displacement(branch.variance);
+        h.displaced.push_back({utime, utime, observation.is_gnss});
+        break;
+      case Event::kMoves:
+        h.filter.inflate_covariance(branch.variance, branch.yaw_variance);
+        [[fallthrough]];
+      case Event::kEnds:
+        h.is_displaced = false;
+        h.filter.end_displacement();
+        break;
+    }
+    const bool is_displaced = h.is_displaced && h.displaced.back().is_gnss == observation.is_gnss;
+    if (is_displaced) {
+      h.displaced.back().end_utime = utime;
+    } else {
+      h.travel_m = 0.0;
+    }
+    h.filter.correct(is_displaced ? displaced : direct);
+    const auto same = std::find_if(next.begin(), next.end(),
+                                   [&](const Hypothesis& other) { return are_same(other, h); });
+    if (same == next.end()) {
+      next.push_back(std::move(h));
+    } else {
+      same->log_weight += std::log1p(std::exp(h.log_weight - same->log_weight));
+    }
+  }
+  std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.log_weight > b.log_weight;
+  });
+  all_ = std::move(next);
+}
+
+PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {
+  const Eigen::Vector3d mean = best().filter.mean().head<3>();
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+  for (const Hypothesis& h : all_) {
+    Eigen::Vector3d off = h.filter.mean().head<3>() - mean;
+    off.z() = geometry::wrap_angle_rad(off.z());
+    const double weight = best_weight() * std::exp(h.log_weight - best().log_weight);
+    P += weight * (h.filter.covariance().topLeftCorner<3, 3>() + off * off.transpose());
+  }
+  PoseEstimate pose;
+  pose.utime = utime;
+  pose.x_m = mean.x();
+  pose.y_m = mean.y();
+  pose.yaw_rad = mean.z();
+  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  return pose;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pose/filter/fusion_filter.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::pose {
+
+/// Time in which positions of one source were displaced, e.g. by reflected signals.
+struct DisplacedTime {
+  std::int64_t begin_utime = 0;
+  std::int64_t end_utime = 0;  ///< of the last displaced position
+  bool is_gnss = true;
+};
+
+/// Bank of filters, one for each credible history of which positions were displaced.
+///
+/// A position is direct or displaced by an unknown constant; a Markov chain switches between both.
+/// With each position every history branches, and the likeliest are kept, so that later positions
+/// decide about earlier ones. A further, unlikely branch is that the robot was moved or its wheels
+/// slipped beyond what the filter models. Source: Ackerson and Fu 1970, On state estimation in
+/// switching environments.
+class FixHypotheses {
+ public:
+  struct Hypothesis {
+    FusionFilter filter;
+    double log_weight = 0.0;
+    bool is_displaced = false;
+    std::vector<DisplacedTime> displaced;  ///< ascending
+    double travel_m = 0.0;                 ///< since the last direct position
+  };
+
+  explicit FixHypotheses(const FusionConfig& config);
+
+  /// Returns the likeliest hypothesis.
+  const Hypothesis& best() const { return all_.front(); }
+  /// Returns its probability.
+  double best_weight() const;
+
+  /// All hypotheses, for changes that concern each; the likeliest first.
+  std::vector<Hypothesis>& all() { return all_; }
+
+  void move(const MotionStep& step);
+
+  /// Adds the first pose: all positions until now were direct, or displaced by one constant.
+  void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance, std::int64_t utime,
+             bool is_gnss);
+
+  /// Drops all but the likeliest.
+  void keep_best();
+
+  void correct(const PositionObservation& observation, std::int64_t utime);
+
+  /// Returns the pose of the likeliest, with the mean square deviation of all from it.
+  PoseEstimate estimate(std::int64_t utime) const;
+
+ private:
+  std::vector<Hypothesis> all_;
+  std::optional<std::int64_t> position_utime_;  ///< of the last position
+  double travel_m_ = 0.0;                       ///< since then
+};
+
+}  // namespace orchard::pose

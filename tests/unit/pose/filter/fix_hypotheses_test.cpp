@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Truth: a robot on a straight line with exact wheels, and positions with the noise that they
+// state; some are displaced by a constant.
+#include "pose/filter/fix_hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kPeriod_s = 0.2;
+constexpr double kSpeed_mps = 2.0;
+constexpr double kFixSd_m = 0.3;
+
+class Drive {
+ public:
+  explicit Drive(std::uint64_t seed) : random_(seed) {
+    Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+    P.diagonal() << 0.01, 0.01, 1e-4;
+    hypotheses.place(Eigen::Vector3d::Zero(), P, 0, true);
+  }
+
+  /// Drives on; `offset_m`: displacement of positions by the time since the call [s].
+  void on(double duration_s, const std::function<Eigen::Vector2d(double)>& offset_m) {
+    for (double t_s = 0.0; t_s < duration_s - 1e-9; t_s += kPeriod_s) {
+      MotionStep step;
+      step.dt_s = kPeriod_s;
+      step.speed_mps = kSpeed_mps;
+      step.speed_sd_mps = 0.01;
+      step.yaw_rate_sd_radps = 0.001;
+      hypotheses.move(step);
+      x_m += kPeriod_s * kSpeed_mps;
+      utime += 200'000;
+      PositionObservation seen;
+      const double east = normal_(random_), north = normal_(random_);
+      seen.p_map_m =
+          Eigen::Vector2d(x_m, 0.0) + kFixSd_m * Eigen::Vector2d(east, north) + offset_m(t_s);
+      seen.covariance = kFixSd_m * kFixSd_m * Eigen::Matrix2d::Identity();
+      seen.is_gnss = true;
+      hypotheses.correct(seen, utime);
+    }
+  }
+
+  /// Makes the position unknown by `sd_m` in a minute without positions.
+  void gap(double sd_m) {
+    utime += 60'000'000;
+    for (FixHypotheses::Hypothesis& h : hypotheses.all()) {
+      h.filter.inflate_covariance(sd_m * sd_m, 0.01);
+    }
+  }
+
+  double error_m() const {
+    return (hypotheses.best().filter.p_map_m({0.0, 0.0}) - Eigen::Vector2d(x_m, 0.0)).norm();
+  }
+
+  FixHypotheses hypotheses{FusionConfig{}};
+  double x_m = 0.0;
+  std::int64_t utime = 0;
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+Eigen::Vector2d none(double) { return {0.0, 0.0}; }
+
+TEST(FixHypotheses, DirectPositionsAreNeverLeftOut) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Drive drive(seed);
+    drive.on(60.0, none);
+    EXPECT_TRUE(drive.hypotheses.best().displaced.empty()) << "seed " << seed;
+    EXPECT_LT(drive.error_m(), 0.5);
+  }
+}
+
+TEST(FixHypotheses, AReflectionIsKnownFromItsFirstToItsLastPosition) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Drive drive(seed);
+    drive.on(20.0, none);
+    const std::int64_t begin = drive.utime;
+    drive.on(30.0, [](double t_s) { return Eigen::Vector2d(t_s < 6.0 ? 8.0 : 0.0, 0.0); });
+    const auto& displaced = drive.hypotheses.best().displaced;
+    ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
+    EXPECT_EQ(displaced[0].begin_utime, begin + 200'000);
+    EXPECT_EQ(displaced[0].end_utime, begin + 6'000'000);
+    EXPECT_FALSE(drive.hypotheses.best().is_displaced);
+    EXPECT_LT(drive.error_m(), 0.5);
+  }
+}
+
+TEST(FixHypotheses, LaterPositionsTellThatTheFirstAfterAGapWereReflected) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Drive drive(seed);
+    drive.on(20.0, none);
+    drive.gap(15.0);
+    const std::int64_t begin = drive.utime;
+    drive.on(3.0, [](double) { return Eigen::Vector2d(8.0, 0.0); });
+    // Nothing contradicts them yet.
+    EXPECT_FALSE(drive.hypotheses.best().is_displaced) << "seed " << seed;
+    // Then they stay where a displacement rarely lasts.
+    drive.on(60.0, none);
+    const auto& displaced = drive.hypotheses.best().displaced;
+    ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
+    EXPECT_GT(displaced[0].begin_utime, begin);
+    EXPECT_EQ(displaced[0].end_utime, begin + 3'000'000);
+    EXPECT_LT(drive.error_m(), 0.6);
+  }
+}
+
+TEST(FixHypotheses, ARobotThatWasCarriedIsFollowed) {
+  Drive drive(1);
+  drive.on(20.0, none);
+  drive.on(120.0, [](double) { return Eigen::Vector2d(50.0, 0.0); });
+  EXPECT_FALSE(drive.hypotheses.best().is_displaced);
+  EXPECT_NEAR(drive.error_m(), 50.0, 1.0);
+}
+
+}  // namespace
+}  // namespace orchard::pose

@@ -20,7 +20,7 @@ using detection::ViewKind;
 constexpr int kMinOfAKind = 20;
 constexpr int kCorrelationSteps = 50;
 
-using TrueThing = std::pair<int, int>;  // recording, index in its truth
+using ObjectKey = std::pair<int, int>;  // recording, index in its truth
 
 /// Converts the observations of one kind to regression data.
 MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind view,
@@ -33,7 +33,7 @@ MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind 
   MultinomialData data;
   data.features.resize(static_cast<Eigen::Index>(num_features),
                        static_cast<Eigen::Index>(rows.size()));
-  std::map<TrueThing, int> clusters;
+  std::map<ObjectKey, int> clusters;
   int next = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const ProbabilitySample& sample = samples[rows[k]];
@@ -44,8 +44,8 @@ MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind 
     data.outcomes.push_back(static_cast<int>(sample.outcome));
     // A false alarm, which belongs to no object, is a separate cluster.
     int cluster = next++;
-    if (sample.thing >= 0) {
-      cluster = clusters.try_emplace({sample.recording, sample.thing}, cluster).first->second;
+    if (sample.object >= 0) {
+      cluster = clusters.try_emplace({sample.recording, sample.object}, cluster).first->second;
     }
     data.clusters.push_back(cluster);
   }
@@ -79,30 +79,30 @@ ProbabilityFit fit_weights(const std::vector<ProbabilitySample>& samples,
 }
 
 /// The evidence of all observations of one object, summed as in the mapper.
-struct ThingEvidence {
+struct ObjectEvidence {
   bool is_tree = false;
   double labelled_sum = 0.0, unseen_sum = 0.0;
   int num_labelled = 0, num_unseen = 0;
 };
 
 /// Log loss over objects: mean and its standard error.
-struct ThingLoss {
+struct ObjectLoss {
   double mean = 0.0, standard_error = 0.0;
 };
 
-ThingLoss loss_of_things(const std::map<TrueThing, ThingEvidence>& things,
-                         const mapping::MapperConfig& config) {
+ObjectLoss loss_of_objects(const std::map<ObjectKey, ObjectEvidence>& objects,
+                           const mapping::MapperConfig& config) {
   double sum = 0.0, sum2 = 0.0;
-  for (const auto& [key, thing] : things) {
-    const bool labelled = thing.num_labelled > 0;
+  for (const auto& [key, object] : objects) {
+    const bool labelled = object.num_labelled > 0;
     const double log_odds =
-        mapping::log_odds_of_tree(labelled ? thing.labelled_sum : thing.unseen_sum,
-                                  labelled ? thing.num_labelled : thing.num_unseen, config);
-    const double loss = std::log1p(std::exp(thing.is_tree ? -log_odds : log_odds));
+        mapping::log_odds_of_tree(labelled ? object.labelled_sum : object.unseen_sum,
+                                  labelled ? object.num_labelled : object.num_unseen, config);
+    const double loss = std::log1p(std::exp(object.is_tree ? -log_odds : log_odds));
     sum += loss;
     sum2 += loss * loss;
   }
-  const auto n = static_cast<double>(std::max<std::size_t>(1, things.size()));
+  const auto n = static_cast<double>(std::max<std::size_t>(1, objects.size()));
   return {sum / n, std::sqrt(std::max(0.0, sum2 / n - sum * sum / (n * n)) / n)};
 }
 
@@ -120,35 +120,36 @@ void fit_evidence(const std::vector<ProbabilitySample>& samples,
   mapping::MapperConfig config;
   config.evidence = mapping::Evidence::kProbability;
   fit.base_rate = config.evidence_base_rate = std::clamp(num_trees / num, 0.02, 0.98);
-  std::map<TrueThing, ThingEvidence> things;
+  std::map<ObjectKey, ObjectEvidence> objects;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const ProbabilitySample& sample = samples[i];
-    if (probabilities[i] < 0.0 || sample.thing < 0) continue;
-    ThingEvidence& thing = things[{sample.recording, sample.thing}];
-    thing.is_tree = sample.outcome == Outcome::kTree;
+    if (probabilities[i] < 0.0 || sample.object < 0) continue;
+    ObjectEvidence& object = objects[{sample.recording, sample.object}];
+    object.is_tree = sample.outcome == Outcome::kTree;
     detection::Detection observation = sample.detection;
     observation.probability_tree = static_cast<float>(probabilities[i]);
     observation.probability_object = static_cast<float>(1.0 - probabilities[i]);
     // As in the mapper: UNSEEN observations count only while there is no labelled one.
     const bool labelled = observation.label != detection::Label::kUnseen;
-    (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(observation, config);
-    ++(labelled ? thing.num_labelled : thing.num_unseen);
+    (labelled ? object.labelled_sum : object.unseen_sum) +=
+        mapping::evidence_of(observation, config);
+    ++(labelled ? object.num_labelled : object.num_unseen);
   }
-  fit.num_things = static_cast<int>(things.size());
-  double num_tree_things = 0.0;
-  for (const auto& [key, thing] : things) num_tree_things += thing.is_tree ? 1.0 : 0.0;
-  fit.prior =
-      std::clamp((num_tree_things + 1.0) / (static_cast<double>(things.size()) + 2.0), 0.02, 0.98);
+  fit.num_objects = static_cast<int>(objects.size());
+  double num_tree_objects = 0.0;
+  for (const auto& [key, object] : objects) num_tree_objects += object.is_tree ? 1.0 : 0.0;
+  fit.prior = std::clamp((num_tree_objects + 1.0) / (static_cast<double>(objects.size()) + 2.0),
+                         0.02, 0.98);
   config.evidence_prior = fit.prior;
-  ThingLoss best{std::numeric_limits<double>::infinity(), 0.0};
+  ObjectLoss best{std::numeric_limits<double>::infinity(), 0.0};
   for (int step = 0; step <= kCorrelationSteps; ++step) {
     config.evidence_correlation = static_cast<double>(step) / kCorrelationSteps;
-    const ThingLoss loss = loss_of_things(things, config);
+    const ObjectLoss loss = loss_of_objects(objects, config);
     if (loss.mean < best.mean) best = loss;
   }
   for (int step = 0; step <= kCorrelationSteps; ++step) {
     config.evidence_correlation = static_cast<double>(step) / kCorrelationSteps;
-    if (loss_of_things(things, config).mean > best.mean + best.standard_error) continue;
+    if (loss_of_objects(objects, config).mean > best.mean + best.standard_error) continue;
     fit.correlation = config.evidence_correlation;
   }
 }

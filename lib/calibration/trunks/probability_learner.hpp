@@ -16,7 +16,7 @@ struct ProbabilitySample {
   detection::Detection detection;
   Outcome outcome = Outcome::kNeither;
   int recording = 0;  ///< cross-validation leaves out whole recordings
-  int thing = -1;     ///< index of the observed object in the recording's truth; -1 = none
+  int object = -1;    ///< index of the observed object in the recording's truth; -1 = none
 };
 
 /// One list of weights with standard errors.
@@ -37,7 +37,7 @@ struct ProbabilityFit {
   double base_rate = 0.5;    ///< fraction of trees in the observations: mapper.evidence_base_rate
   double prior = 0.5;        ///< mapper.evidence_prior
   double correlation = 0.0;  ///< mapper.evidence_correlation
-  int num_things = 0;        ///< number of objects for prior and correlation
+  int num_objects = 0;       ///< number of objects for prior and correlation
   /// Mean over left-out observations [nat]; with only one recording, over the training data.
   double log_loss = 0.0;
   /// probability_tree of each sample by weights fitted without its recording; -1 = hidden.

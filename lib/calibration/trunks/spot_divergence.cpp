@@ -45,16 +45,16 @@ bool SpotDivergence::significant() const {
 
 std::optional<SpotDivergence> fit_spot_divergence(const std::vector<SpotWidth>& observations,
                                                   int min_beams) {
-  std::map<int, std::vector<SpotWidth>> of_thing;
+  std::map<int, std::vector<SpotWidth>> of_object;
   for (const SpotWidth& observation : observations)
-    of_thing[observation.thing].push_back(observation);
+    of_object[observation.object].push_back(observation);
   // Sums about each trunk's own means, kept per trunk: errors within a trunk are correlated.
   struct Sums {
     double xx = 0.0, xy = 0.0;
   };
   std::vector<Sums> sums;
   double xx = 0.0, xy = 0.0;
-  for (const auto& [thing, all] : of_thing) {
+  for (const auto& [object, all] : of_object) {
     const std::vector<Weighted> used = usable(all, min_beams);
     double weight = 0.0, range_m = 0.0, width_m = 0.0;
     for (const Weighted& observation : used) {

@@ -8,7 +8,7 @@ namespace orchard::calibration {
 
 /// One measured width of a trunk.
 struct SpotWidth {
-  int thing = 0;
+  int object = 0;
   double range_m = 0.0;
   double beam_step_rad = 0.0;
   double width_m = 0.0;

@@ -34,7 +34,7 @@ constexpr double kDoubtful_sigma = 3.0;
 /// Largest difference from the mean width with which an object may be a trunk [m].
 double doubtful_width_m(const TrunkModel& model) {
   double squares_m2 = 0.0;
-  for (const ObservedObject& seen : model.things) {
+  for (const ObservedObject& seen : model.objects) {
     if (seen.is_trunk) squares_m2 += geometry::square(seen.median_width_m - model.width_mean_m);
   }
   return std::max(model.width_spread * model.width_mean_m,
@@ -63,7 +63,7 @@ double scatter_m(const ObservedObject& seen, const std::vector<TrunkObservation>
 /// Scatter from which on an object walks [m].
 double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>& observations) {
   std::vector<double> of_trunks_m;
-  for (const ObservedObject& seen : model.things) {
+  for (const ObservedObject& seen : model.objects) {
     if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
   }
   return of_trunks_m.empty() ? 0.0 : kWalks * geometry::median(std::move(of_trunks_m));
@@ -105,35 +105,35 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
   };
   const double limit_m = doubtful_width_m(model), walks_m = walks_from_m(model, observations);
   std::vector<std::size_t> doubtful;
-  for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
-    const ObservedObject& seen = model.things[thing];
+  for (std::size_t object = 0; object < model.objects.size(); ++object) {
+    const ObservedObject& seen = model.objects[object];
     if (may_be_trunk(seen, model, limit_m) && scatter_m(seen, observations) < walks_m) {
-      doubtful.push_back(thing);
+      doubtful.push_back(object);
       continue;
     }
     for (const std::size_t i : spread(seen.observations)) {
       for (const auto& window : observations[i].on)
-        take(window, seen.is_trunk, static_cast<int>(thing));
+        take(window, seen.is_trunk, static_cast<int>(object));
       if (!seen.is_trunk) continue;
       for (const auto& window : observations[i].beside)
-        take(window, false, static_cast<int>(thing));
+        take(window, false, static_cast<int>(object));
     }
   }
   TrunkAppearance appearance;
   const AppearanceFit first = learn_appearance(samples);
   const std::size_t num_sure = samples.size();
-  for (const std::size_t thing : doubtful) {
-    const ObservedObject& seen = model.things[thing];
+  for (const std::size_t object : doubtful) {
+    const ObservedObject& seen = model.objects[object];
     const auto confidence = mean_confidence(seen, observations, first.config);
     if (!confidence) continue;
     const double off_m = std::abs(seen.median_width_m - model.width_mean_m);
     if (*confidence >= first.config.confidence_min &&
         off_m <= model.width_spread * model.width_mean_m) {
-      appearance.likely_trunks.push_back(static_cast<int>(thing) + 1);
+      appearance.likely_trunks.push_back(static_cast<int>(object) + 1);
     }
     if (*confidence > kSurelyNone) continue;
     for (const std::size_t i : spread(seen.observations)) {
-      for (const auto& window : observations[i].on) take(window, false, static_cast<int>(thing));
+      for (const auto& window : observations[i].on) take(window, false, static_cast<int>(object));
     }
   }
   appearance.fit = samples.size() > num_sure ? learn_appearance(samples) : first;
@@ -162,18 +162,18 @@ TrunkModel with_likely_trunks(const std::vector<TrunkObservation>& observations,
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
                                                const TrunkModel& model) {
   std::vector<double> blue, red, green;
-  for (const ObservedObject& seen : model.things) {
-    std::vector<double> of_thing[3];
+  for (const ObservedObject& seen : model.objects) {
+    std::vector<double> of_object[3];
     for (const std::size_t i : seen.observations) {
       if (!seen.is_trunk || !observations[i].light) continue;
-      of_thing[0].push_back(observations[i].light->blue);
-      of_thing[1].push_back(observations[i].light->red);
-      of_thing[2].push_back(observations[i].light->green);
+      of_object[0].push_back(observations[i].light->blue);
+      of_object[1].push_back(observations[i].light->red);
+      of_object[2].push_back(observations[i].light->green);
     }
-    if (of_thing[0].empty()) continue;
-    blue.push_back(geometry::median(std::move(of_thing[0])));
-    red.push_back(geometry::median(std::move(of_thing[1])));
-    green.push_back(geometry::median(std::move(of_thing[2])));
+    if (of_object[0].empty()) continue;
+    blue.push_back(geometry::median(std::move(of_object[0])));
+    red.push_back(geometry::median(std::move(of_object[1])));
+    green.push_back(geometry::median(std::move(of_object[2])));
   }
   if (blue.empty()) return std::nullopt;
   return vision::WindowLight{geometry::median(std::move(blue)), geometry::median(std::move(red)),

@@ -22,10 +22,11 @@ constexpr std::int64_t kLostAfter_us = 1'000'000;
 constexpr double kOutlier = 3.5;
 /// Max difference of two trunks' colours in the logs of blue and of red over green. Light of 5500
 /// and of 10000 K (sun, open shade) differs by 0.3, bark of saturation 0.04 and of 0.42 by 0.4;
-/// both together by 0.5. The hue of bark so pale says nothing; painted things differ by 1 and more.
+/// both together by 0.5. The hue of bark so pale says nothing; painted objects differ by 1 and
+/// more.
 constexpr double kSameColour = 0.5;
 
-struct Thing {
+struct ObjectTrack {
   ObservedObject seen;
   std::int64_t last_utime = 0;
   bool in_map = false;
@@ -37,27 +38,27 @@ double hue_distance_deg(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
 }
 
-std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observations,
-                                 const TrunkModelOptions& options) {
-  std::vector<Thing> things;
+std::vector<ObjectTrack> track_objects(const std::vector<TrunkObservation>& observations,
+                                       const TrunkModelOptions& options) {
+  std::vector<ObjectTrack> tracks;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const TrunkObservation& observation = observations[i];
-    Thing* nearest = nullptr;
+    ObjectTrack* nearest = nullptr;
     double nearest_m = options.gate_m;
-    for (Thing& thing : things) {
-      if (thing.seen.log != observation.log || thing.in_map != observation.in_map) continue;
-      if (thing.last_utime == observation.utime) continue;  // one observation per scan
-      if (!observation.in_map && observation.utime - thing.last_utime > kLostAfter_us) continue;
+    for (ObjectTrack& track : tracks) {
+      if (track.seen.log != observation.log || track.in_map != observation.in_map) continue;
+      if (track.last_utime == observation.utime) continue;  // one observation per scan
+      if (!observation.in_map && observation.utime - track.last_utime > kLostAfter_us) continue;
       const double distance_m =
-          std::hypot(thing.seen.x_m - observation.x_m, thing.seen.y_m - observation.y_m);
+          std::hypot(track.seen.x_m - observation.x_m, track.seen.y_m - observation.y_m);
       if (distance_m < nearest_m) {
         nearest_m = distance_m;
-        nearest = &thing;
+        nearest = &track;
       }
     }
     if (!nearest) {
-      things.emplace_back();
-      nearest = &things.back();
+      tracks.emplace_back();
+      nearest = &tracks.back();
       nearest->seen.log = observation.log;
       nearest->in_map = observation.in_map;
     }
@@ -68,10 +69,10 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observatio
     nearest->seen.x_m += fraction * (observation.x_m - nearest->seen.x_m);
     nearest->seen.y_m += fraction * (observation.y_m - nearest->seen.y_m);
   }
-  for (Thing& thing : things) {
+  for (ObjectTrack& track : tracks) {
     std::vector<double> widths_m, blue, red;
     vision::HueHistogram hues;
-    for (const std::size_t i : thing.seen.observations) {
+    for (const std::size_t i : track.seen.observations) {
       widths_m.push_back(observations[i].width_m);
       add(observations[i].hues, hues);
       if (!observations[i].light) continue;
@@ -79,32 +80,33 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observatio
       red.push_back(observations[i].light->red);
     }
     if (!blue.empty()) {
-      thing.colour = vision::WindowLight{geometry::midpoint_median(std::move(blue)),
+      track.colour = vision::WindowLight{geometry::midpoint_median(std::move(blue)),
                                          geometry::midpoint_median(std::move(red)), 0.0};
     }
-    thing.seen.num_observations = static_cast<int>(thing.seen.observations.size());
-    thing.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
-    thing.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
+    track.seen.num_observations = static_cast<int>(track.seen.observations.size());
+    track.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
+    track.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
   }
-  return things;
+  return tracks;
 }
 
-/// Finds the things that have others beside them: parts of one bush are detected as several things.
-void find_neighbours(std::vector<Thing>& things, const TrunkModelOptions& options) {
-  for (Thing& thing : things) {
-    if (!thing.in_map) continue;
-    thing.is_separate = std::none_of(things.begin(), things.end(), [&](const Thing& other) {
-      if (&other == &thing || other.seen.log != thing.seen.log || !other.in_map) return false;
+/// Finds the tracks that have others beside them: parts of one bush are detected as several tracks.
+void find_neighbours(std::vector<ObjectTrack>& tracks, const TrunkModelOptions& options) {
+  for (ObjectTrack& track : tracks) {
+    if (!track.in_map) continue;
+    track.is_separate = std::none_of(tracks.begin(), tracks.end(), [&](const ObjectTrack& other) {
+      if (&other == &track || other.seen.log != track.seen.log || !other.in_map) return false;
       if (other.seen.num_observations < options.min_observations) return false;
       const double apart_m =
-          std::hypot(other.seen.x_m - thing.seen.x_m, other.seen.y_m - thing.seen.y_m);
+          std::hypot(other.seen.x_m - track.seen.x_m, other.seen.y_m - track.seen.y_m);
       return apart_m <
-             options.gate_m + 0.5 * (other.seen.median_width_m + thing.seen.median_width_m);
+             options.gate_m + 0.5 * (other.seen.median_width_m + track.seen.median_width_m);
     });
   }
 }
 
-bool same_colour(const Thing& a, const Thing& typical, const TrunkModelOptions& options) {
+bool same_colour(const ObjectTrack& a, const ObjectTrack& typical,
+                 const TrunkModelOptions& options) {
   if (a.colour && typical.colour) {
     return std::hypot(a.colour->blue - typical.colour->blue, a.colour->red - typical.colour->red) <=
            kSameColour;
@@ -113,7 +115,8 @@ bool same_colour(const Thing& a, const Thing& typical, const TrunkModelOptions& 
          options.hue_spread_deg;
 }
 
-bool alike(const Thing& a, const Thing& typical, bool has_hue, const TrunkModelOptions& options) {
+bool alike(const ObjectTrack& a, const ObjectTrack& typical, bool has_hue,
+           const TrunkModelOptions& options) {
   return std::abs(a.seen.median_width_m - typical.seen.median_width_m) <=
              options.width_spread * typical.seen.median_width_m &&
          (!has_hue || same_colour(a, typical, options));
@@ -124,10 +127,11 @@ bool alike(const Thing& a, const Thing& typical, bool has_hue, const TrunkModelO
 constexpr double kLookedAtMin = 0.5;
 
 /// Number of observations of the object that the middle one of all these observations belongs to.
-int typical_observations(const std::vector<Thing>& things, const std::vector<std::size_t>& group) {
+int typical_observations(const std::vector<ObjectTrack>& tracks,
+                         const std::vector<std::size_t>& group) {
   std::vector<int> each;
   for (const std::size_t i : group) {
-    const int n = things[i].seen.num_observations;
+    const int n = tracks[i].seen.num_observations;
     each.insert(each.end(), static_cast<std::size_t>(n), n);
   }
   const auto middle = each.begin() + static_cast<std::ptrdiff_t>(each.size() / 2);
@@ -137,36 +141,36 @@ int typical_observations(const std::vector<Thing>& things, const std::vector<std
 
 /// The group of similar objects that are not `taken` with the most observations, those of the same
 /// width counting most: the mode of the widths. Empty if no object has enough observations.
-std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
+std::vector<std::size_t> largest_population(const std::vector<ObjectTrack>& tracks,
                                             const std::vector<bool>& taken, bool has_hue,
                                             const TrunkModelOptions& options) {
   const auto counts = [&](std::size_t i) {
-    return !taken[i] && things[i].is_separate &&
-           things[i].seen.num_observations >= options.min_observations;
+    return !taken[i] && tracks[i].is_separate &&
+           tracks[i].seen.num_observations >= options.min_observations;
   };
   std::vector<std::size_t> best;
   double best_sum = 0.0;
-  for (std::size_t i = 0; i < things.size(); ++i) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!counts(i)) continue;
-    const double width_m = things[i].seen.median_width_m;
+    const double width_m = tracks[i].seen.median_width_m;
     std::vector<std::size_t> group;
     double sum = 0.0;
-    for (std::size_t k = 0; k < things.size(); ++k) {
-      if (!counts(k) || !alike(things[k], things[i], has_hue, options)) continue;
+    for (std::size_t k = 0; k < tracks.size(); ++k) {
+      if (!counts(k) || !alike(tracks[k], tracks[i], has_hue, options)) continue;
       group.push_back(k);
-      const double off = std::abs(things[k].seen.median_width_m - width_m) /
+      const double off = std::abs(tracks[k].seen.median_width_m - width_m) /
                          std::max(1e-6, options.width_spread * width_m);
-      sum += things[k].seen.num_observations * (1.0 - off);
+      sum += tracks[k].seen.num_observations * (1.0 - off);
     }
     if (sum > best_sum) {
       best = std::move(group);
       best_sum = sum;
     }
   }
-  const double fewest = kLookedAtMin * typical_observations(things, best);
+  const double fewest = kLookedAtMin * typical_observations(tracks, best);
   best.erase(std::remove_if(best.begin(), best.end(),
                             [&](std::size_t i) {
-                              return things[i].in_map && things[i].seen.num_observations < fewest;
+                              return tracks[i].in_map && tracks[i].seen.num_observations < fewest;
                             }),
              best.end());
   return best;
@@ -193,18 +197,19 @@ double separation(const std::vector<double>& a, const std::vector<double>& b, do
 std::string millimetres(double metres) { return fixed_text(1e3 * metres, 0) + " mm"; }
 
 /// Warns when the second largest population is not separated from the trunks, or may be the trunks.
-void compare_populations(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
-                         bool has_hue, const TrunkModelOptions& options, TrunkModel& model) {
-  std::vector<bool> taken(things.size());
+void compare_populations(const std::vector<ObjectTrack>& tracks,
+                         const std::vector<std::size_t>& trunks, bool has_hue,
+                         const TrunkModelOptions& options, TrunkModel& model) {
+  std::vector<bool> taken(tracks.size());
   for (const std::size_t i : trunks) taken[i] = true;
-  const auto others = largest_population(things, taken, has_hue, options);
+  const auto others = largest_population(tracks, taken, has_hue, options);
   if (others.size() < 2 || trunks.size() < 2) return;
   std::vector<double> widths_m[2], hues_deg[2];
-  const double hue_deg = things[trunks.front()].seen.dominant_hue_deg;
+  const double hue_deg = tracks[trunks.front()].seen.dominant_hue_deg;
   for (const int which : {0, 1}) {
     for (const std::size_t i : which == 0 ? trunks : others) {
-      widths_m[which].push_back(things[i].seen.median_width_m);
-      hues_deg[which].push_back(std::remainder(things[i].seen.dominant_hue_deg - hue_deg, 360.0));
+      widths_m[which].push_back(tracks[i].seen.median_width_m);
+      hues_deg[which].push_back(std::remainder(tracks[i].seen.dominant_hue_deg - hue_deg, 360.0));
     }
   }
   const double by_width = separation(widths_m[0], widths_m[1], 1e-3);
@@ -232,11 +237,11 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
 }
 
 /// Warns when the trunks themselves form two groups.
-void warn_of_two_populations(const std::vector<Thing>& things,
+void warn_of_two_populations(const std::vector<ObjectTrack>& tracks,
                              const std::vector<std::size_t>& trunks,
                              const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<double> widths_m;
-  for (const std::size_t i : trunks) widths_m.push_back(things[i].seen.median_width_m);
+  for (const std::size_t i : trunks) widths_m.push_back(tracks[i].seen.median_width_m);
   if (widths_m.size() < 8) return;
   const double middle_m = geometry::midpoint_median(widths_m);
   const auto groups = detection::find_two_groups(widths_m, 0.2, 0.01 * middle_m);
@@ -247,28 +252,28 @@ void warn_of_two_populations(const std::vector<Thing>& things,
       " sd apart): one mean fits neither; choose the trunks of one kind with --trees");
 }
 
-std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
+std::vector<std::size_t> picked_by_number(const std::vector<ObjectTrack>& tracks,
                                           const std::vector<int>& numbers) {
   std::vector<std::size_t> picked;
   for (const int number : numbers) {
-    if (number < 1 || number > static_cast<int>(things.size())) {
+    if (number < 1 || number > static_cast<int>(tracks.size())) {
       throw std::runtime_error("there is no object " + std::to_string(number) + ", only 1 to " +
-                               std::to_string(things.size()) + "; list them with --list DIR");
+                               std::to_string(tracks.size()) + "; list them with --list DIR");
     }
     picked.push_back(static_cast<std::size_t>(number - 1));
   }
   return picked;
 }
 
-std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
+std::vector<std::size_t> picked_by_place(const std::vector<ObjectTrack>& tracks,
                                          const std::vector<PickedTrunk>& places, double gate_m) {
   std::vector<std::size_t> picked;
   std::string unseen;
   for (const PickedTrunk& place : places) {
     const auto before = picked.size();
-    for (std::size_t i = 0; i < things.size(); ++i) {
-      const ObservedObject& seen = things[i].seen;
-      if (!things[i].in_map || std::hypot(seen.x_m - place.x_m, seen.y_m - place.y_m) > gate_m) {
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+      const ObservedObject& seen = tracks[i].seen;
+      if (!tracks[i].in_map || std::hypot(seen.x_m - place.x_m, seen.y_m - place.y_m) > gate_m) {
         continue;
       }
       if (std::find(picked.begin(), picked.end(), i) == picked.end()) picked.push_back(i);
@@ -285,20 +290,20 @@ std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
   return picked;
 }
 
-std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_hue,
+std::vector<std::size_t> find_trunks(const std::vector<ObjectTrack>& tracks, bool has_hue,
                                      const TrunkModelOptions& options) {
-  if (!options.picked.empty()) return picked_by_number(things, options.picked);
+  if (!options.picked.empty()) return picked_by_number(tracks, options.picked);
   if (!options.picked_trunks.empty()) {
-    return picked_by_place(things, options.picked_trunks, options.gate_m);
+    return picked_by_place(tracks, options.picked_trunks, options.gate_m);
   }
-  auto trunks = largest_population(things, std::vector<bool>(things.size()), has_hue, options);
+  auto trunks = largest_population(tracks, std::vector<bool>(tracks.size()), has_hue, options);
   if (trunks.empty()) {
     throw std::runtime_error("no separate object was observed " +
                              std::to_string(options.min_observations) +
                              " times or more; drive past trunks more slowly or nearer");
   }
-  for (const std::size_t i : picked_by_number(things, options.added)) {
-    if (things[i].seen.num_observations < options.min_observations) continue;
+  for (const std::size_t i : picked_by_number(tracks, options.added)) {
+    if (tracks[i].seen.num_observations < options.min_observations) continue;
     if (std::find(trunks.begin(), trunks.end(), i) == trunks.end()) trunks.push_back(i);
   }
   return trunks;
@@ -309,10 +314,10 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
 std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& observations,
                                         const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<SpotWidth> of_trunks;
-  for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
-    if (!model.things[thing].is_trunk) continue;
-    for (const std::size_t i : model.things[thing].observations) {
-      of_trunks.push_back({static_cast<int>(thing), observations[i].range_m,
+  for (std::size_t track = 0; track < model.objects.size(); ++track) {
+    if (!model.objects[track].is_trunk) continue;
+    for (const std::size_t i : model.objects[track].observations) {
+      of_trunks.push_back({static_cast<int>(track), observations[i].range_m,
                            observations[i].beam_step_rad, observations[i].width_m});
     }
   }
@@ -356,19 +361,19 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
   model.has_hue = std::any_of(
       observations.begin(), observations.end(),
       [](const TrunkObservation& observation) { return observation.hues.num_coloured > 0; });
-  std::vector<Thing> things = follow_things(observations, options);
-  find_neighbours(things, options);
-  const std::vector<std::size_t> trunks = find_trunks(things, model.has_hue, options);
-  for (const std::size_t i : trunks) things[i].seen.is_trunk = true;
+  std::vector<ObjectTrack> tracks = track_objects(observations, options);
+  find_neighbours(tracks, options);
+  const std::vector<std::size_t> trunks = find_trunks(tracks, model.has_hue, options);
+  for (const std::size_t i : trunks) tracks[i].seen.is_trunk = true;
 
   std::vector<std::size_t> used;
   std::vector<int> trunk_of(observations.size());
-  for (const Thing& thing : things) {
-    model.things.push_back(thing.seen);
-    if (!thing.seen.is_trunk) continue;
+  for (const ObjectTrack& track : tracks) {
+    model.objects.push_back(track.seen);
+    if (!track.seen.is_trunk) continue;
     ++model.num_trunks;
-    used.insert(used.end(), thing.seen.observations.begin(), thing.seen.observations.end());
-    for (const std::size_t i : thing.seen.observations) trunk_of[i] = model.num_trunks;
+    used.insert(used.end(), track.seen.observations.begin(), track.seen.observations.end());
+    for (const std::size_t i : track.seen.observations) trunk_of[i] = model.num_trunks;
   }
   const std::vector<double> all_m = widths_without_spot(observations, options, model);
   measure_width(all_m, used, model);
@@ -391,8 +396,8 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
                                " degrees, so colour will hardly help to classify");
     }
   }
-  compare_populations(things, trunks, model.has_hue, options, model);
-  warn_of_two_populations(things, trunks, options, model);
+  compare_populations(tracks, trunks, model.has_hue, options, model);
+  warn_of_two_populations(tracks, trunks, options, model);
   if (model.num_trunks < options.wanted_trunks) {
     model.warnings.push_back("only " + std::to_string(model.num_trunks) + " trunks were found; " +
                              std::to_string(options.wanted_trunks) +

@@ -61,8 +61,8 @@ struct TrunkModel {
   bool is_picked = false;      ///< the trunks were picked by the user
   double width_spread = 0.25;  ///< as in TrunkModelOptions
   int num_trunks = 0;
-  int num_observations = 0;            ///< number of used observations of trunks
-  std::vector<ObservedObject> things;  ///< all objects, in order of log and first observation
+  int num_observations = 0;             ///< number of used observations of trunks
+  std::vector<ObservedObject> objects;  ///< all objects, in order of log and first observation
   std::vector<std::string> warnings;
 };
 

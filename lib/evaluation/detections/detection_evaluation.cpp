@@ -147,13 +147,13 @@ DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& obse
 }
 
 std::vector<bool> was_observed(const std::vector<ObservationPair>& observations,
-                               std::size_t num_things, const DetectionRules& rules) {
-  std::vector<bool> result(num_things, false);
+                               std::size_t num_objects, const DetectionRules& rules) {
+  std::vector<bool> result(num_objects, false);
   for (const ObservationPair& observation : observations) {
     if (!observation.truth || observation.truth->object < 0 || !counts(observation, rules))
       continue;
-    const auto thing = static_cast<std::size_t>(observation.truth->object);
-    if (thing < num_things) result[thing] = true;
+    const auto object = static_cast<std::size_t>(observation.truth->object);
+    if (object < num_objects) result[object] = true;
   }
   return result;
 }
@@ -170,19 +170,19 @@ LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& land
     if (l.label != Label::kUnseen) forecasts.push_back({l.probability, is_tree});
   };
   for (std::size_t i = 0; i < map.objects.size(); ++i) {
-    const EvaluatedObject& thing = map.objects[i];
-    const bool is_tree = thing.truth.label == Label::kTree;
-    const bool called = thing.landmark && thing.landmark->label == Label::kTree;
-    if (thing.landmark) forecast(*thing.landmark, is_tree);
+    const EvaluatedObject& object = map.objects[i];
+    const bool is_tree = object.truth.label == Label::kTree;
+    const bool called = object.landmark && object.landmark->label == Label::kTree;
+    if (object.landmark) forecast(*object.landmark, is_tree);
     if (is_tree && called) {
       ++result.num_trees;
       ++result.counts.num_right;
-      errors.add(thing.error_m);
+      errors.add(object.error_m);
     } else if (is_tree && (i >= is_looked_at.size() || is_looked_at[i])) {
       ++result.num_trees;
       ++result.counts.num_missed;
-      if (!thing.landmark) ++result.counts.num_not_detected;
-      if (thing.landmark && thing.landmark->label == Label::kUnseen) ++result.counts.num_unseen;
+      if (!object.landmark) ++result.counts.num_not_detected;
+      if (object.landmark && object.landmark->label == Label::kUnseen) ++result.counts.num_unseen;
     } else if (!is_tree && called) {
       ++result.counts.num_wrong;
       ++result.counts.num_wrong_on_object;

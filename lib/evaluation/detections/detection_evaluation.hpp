@@ -103,7 +103,7 @@ LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& land
 
 /// For each true object, whether any observation counted it.
 std::vector<bool> was_observed(const std::vector<ObservationPair>& observations,
-                               std::size_t num_things, const DetectionRules& rules);
+                               std::size_t num_objects, const DetectionRules& rules);
 
 /// Adds counts.
 Counts& operator+=(Counts& into, const Counts& more);

@@ -96,7 +96,7 @@ Span span_of(const std::vector<Landmark>& landmarks, const Group& group, const V
   return span;
 }
 
-struct Stretch {
+struct StraightPart {
   Group members;
   Vector2d origin{0, 0};
   Vector2d along{1, 0};
@@ -105,10 +105,10 @@ struct Stretch {
 
 /// The longest straight part of a group: connected landmarks within half of `object_width_max_m` of
 /// a line through two of them.
-Stretch longest_stretch(const std::vector<Landmark>& landmarks, const Links& links,
-                        const Group& group, double object_width_max_m) {
+StraightPart longest_straight_part(const std::vector<Landmark>& landmarks, const Links& links,
+                                   const Group& group, double object_width_max_m) {
   const std::size_t step = 1 + group.size() / kEndsMax;
-  Stretch best;
+  StraightPart best;
   for (std::size_t a = 0; a < group.size(); a += step) {
     for (std::size_t b = a + step; b < group.size(); b += step) {
       const Vector2d origin = at(landmarks[group[a]]);
@@ -166,16 +166,16 @@ Across across_of(const std::vector<Landmark>& landmarks, const Group& group, con
   return {sum_m / num, std::sqrt(12.0 * square_m2 / num)};
 }
 
-/// One object for a whole stretch.
-Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) {
-  const Vector2d along = main_direction(landmarks, stretch.members), across(-along.y(), along.x());
-  const Span span = span_of(landmarks, stretch.members, stretch.origin, along);
-  Landmark whole = landmarks[stretch.members.front()];
+/// One object for a whole part.
+Landmark joined(const std::vector<Landmark>& landmarks, const StraightPart& part) {
+  const Vector2d along = main_direction(landmarks, part.members), across(-along.y(), along.x());
+  const Span span = span_of(landmarks, part.members, part.origin, along);
+  Landmark whole = landmarks[part.members.front()];
   whole.label = detection::Label::kObject;
   whole.probability = whole.roc_mean = 0.0;
   std::vector<double> widths_m;
   whole.num_observations = 0;
-  for (const std::size_t i : stretch.members) {
+  for (const std::size_t i : part.members) {
     const Landmark& part = landmarks[i];
     whole.id = std::min(whole.id, part.id);
     whole.num_observations += part.num_observations;
@@ -183,7 +183,7 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
     whole.probability = std::max(whole.probability, part.probability);
     widths_m.push_back(part.width_m);
   }
-  const Across beside = across_of(landmarks, stretch.members, stretch.origin, along);
+  const Across beside = across_of(landmarks, part.members, part.origin, along);
   whole.roc_mean /= std::max(1, whole.num_observations);
   // A trunk is not that long, so the appearance of the parts does not apply to the whole.
   whole.probability = std::min(whole.probability, 1.0 - whole.probability);
@@ -192,7 +192,7 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
   whole.length_m = span.length_m();
   whole.direction_rad = std::atan2(along.y(), along.x());
   const Vector2d middle =
-      stretch.origin + 0.5 * (span.from_m + span.to_m) * along + beside.middle_m * across;
+      part.origin + 0.5 * (span.from_m + span.to_m) * along + beside.middle_m * across;
   whole.x_m = middle.x();
   whole.y_m = middle.y();
   // The ends depend on which parts the scans happened to hit.
@@ -207,11 +207,12 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
   return whole;
 }
 
-/// Whether the middle of the shorter stretch lies on the line of the longer one, within their
+/// Whether the middle of the shorter part lies on the line of the longer one, within their
 /// widths.
-bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const Stretch& b) {
-  const Stretch& longer = a.length_m < b.length_m ? b : a;
-  const Stretch& shorter = a.length_m < b.length_m ? a : b;
+bool is_in_line(const std::vector<Landmark>& landmarks, const StraightPart& a,
+                const StraightPart& b) {
+  const StraightPart& longer = a.length_m < b.length_m ? b : a;
+  const StraightPart& shorter = a.length_m < b.length_m ? a : b;
   const Vector2d along = main_direction(landmarks, longer.members);
   const Across of_longer = across_of(landmarks, longer.members, longer.origin, along);
   const Across of_shorter = across_of(landmarks, shorter.members, longer.origin, along);
@@ -219,11 +220,11 @@ bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const 
          0.5 * (of_longer.width_m + of_shorter.width_m) + kHedgeTouch_m;
 }
 
-/// Joins stretches in line if no passage was observed free between them and the gap is not longer
+/// Joins parts in line if no passage was observed free between them and the gap is not longer
 /// than the longer one: the gap was too wide to be reported, or never in view.
 void join_in_line(const std::vector<Landmark>& landmarks, double object_width_max_m,
-                  const PositionTest& is_free, std::vector<Stretch>& stretches) {
-  const auto join = [&](Stretch& a, const Stretch& b) {
+                  const PositionTest& is_free, std::vector<StraightPart>& parts) {
+  const auto join = [&](StraightPart& a, const StraightPart& b) {
     Group both = a.members;
     both.insert(both.end(), b.members.begin(), b.members.end());
     const Vector2d along = main_direction(landmarks, both);
@@ -253,10 +254,10 @@ void join_in_line(const std::vector<Landmark>& landmarks, double object_width_ma
     a = {std::move(both), a.origin, along, std::max(near.to_m, far.to_m) - near.from_m};
     return true;
   };
-  for (std::size_t a = 0; a < stretches.size(); ++a) {
-    for (std::size_t b = 0; b < stretches.size(); ++b) {
-      if (b == a || !join(stretches[a], stretches[b])) continue;
-      stretches.erase(stretches.begin() + static_cast<std::ptrdiff_t>(b));
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    for (std::size_t b = 0; b < parts.size(); ++b) {
+      if (b == a || !join(parts[a], parts[b])) continue;
+      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(b));
       if (b < a) --a;
       b = static_cast<std::size_t>(-1);  // restart: it is longer now
     }
@@ -299,14 +300,15 @@ std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double 
   std::vector<Group> groups = links.parts(members);
   std::vector<char> is_part(landmarks.size(), 0);
   std::vector<Landmark> all;
-  std::vector<Stretch> stretches;
+  std::vector<StraightPart> parts;
   for (std::size_t g = 0; g < groups.size(); ++g) {  // appends the remaining parts of a group
     if (groups[g].size() < 2) continue;
-    const Stretch stretch = longest_stretch(landmarks, links, groups[g], object_width_max_m);
-    if (stretch.length_m <= object_width_max_m) continue;
-    stretches.push_back(stretch);
+    const StraightPart part =
+        longest_straight_part(landmarks, links, groups[g], object_width_max_m);
+    if (part.length_m <= object_width_max_m) continue;
+    parts.push_back(part);
     Group rest;
-    for (const std::size_t i : stretch.members) is_part[i] = 1;
+    for (const std::size_t i : part.members) is_part[i] = 1;
     for (const std::size_t i : groups[g]) {
       if (!is_part[i]) rest.push_back(i);
     }
@@ -315,8 +317,8 @@ std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double 
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!is_part[i]) all.push_back(landmarks[i]);
   }
-  join_in_line(landmarks, object_width_max_m, is_free, stretches);
-  for (const Stretch& stretch : stretches) all.push_back(joined(landmarks, stretch));
+  join_in_line(landmarks, object_width_max_m, is_free, parts);
+  for (const StraightPart& part : parts) all.push_back(joined(landmarks, part));
   std::sort(all.begin(), all.end(),
             [](const Landmark& a, const Landmark& b) { return a.id < b.id; });
   return all;

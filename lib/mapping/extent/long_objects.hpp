@@ -16,7 +16,7 @@ using PositionTest = std::function<bool(const Eigen::Vector2d& p_map)>;
 /// a scan reports: scans show a hedge or wall as separate parts.
 ///
 /// Two landmarks are parts of one object if their borders touch, or if all positions between them,
-/// over at most `object_width_max_m`, were observed to be blocked. A straight stretch of such
+/// over at most `object_width_max_m`, were observed to be blocked. A straight part of such
 /// landmarks, at most `object_width_max_m` wide and longer than that, becomes one object with
 /// length and direction and the lowest id. Stretches in line are joined unless a passage between
 /// them was observed free (a gate). Shorter groups are left unchanged, and so are landmarks for

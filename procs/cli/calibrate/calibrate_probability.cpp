@@ -94,7 +94,7 @@ void print_fit(const ProbabilityFit& fit, double error) {
       "%s: expected calibration error %.4f, log loss %.4f\n"
       "landmarks: fraction of trees %.3f, fraction of trees among observations %.3f, correlation "
       "of observations %.3f\n",
-      fit.num_judged, fit.num_laser, fit.num_things, fit.num_recordings,
+      fit.num_judged, fit.num_laser, fit.num_objects, fit.num_recordings,
       fit.num_recordings > 1
           ? "cross-validated over recordings"
           : "on the training data (give several recordings for cross-validation)",

@@ -64,7 +64,7 @@ std::vector<calibration::TrunkObservation> observe_logs(const CalibrateTrunksOpt
 void print_table(const calibration::TrunkModel& model) {
   std::printf("%-6s %5s %9s %8s  %s\n", "object", "seen", "width mm", "hue deg", "class");
   int number = 0;
-  for (const calibration::ObservedObject& thing : model.things) {
+  for (const calibration::ObservedObject& thing : model.objects) {
     ++number;
     if (thing.num_observations < 2) continue;
     std::printf("%-6d %5d %9.1f %8.1f  %s\n", number, thing.num_observations,
@@ -222,7 +222,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     write_trunk_list(options.list_folder, model, observations);
     std::printf(
         "%zu objects written to %s/index.html and things.csv; the configuration was not changed\n",
-        model.things.size(), options.list_folder.c_str());
+        model.objects.size(), options.list_folder.c_str());
     return bus::kExitOk;
   }
   if (!options.quiet) {

@@ -15,10 +15,10 @@ constexpr int kPictureHeight_px = 160;
 
 /// The nearest observation that has a picture, or none.
 const calibration::TrunkObservation* best_observation(
-    const calibration::ObservedObject& thing,
+    const calibration::ObservedObject& object,
     const std::vector<calibration::TrunkObservation>& observations) {
   const calibration::TrunkObservation* best = nullptr;
-  for (const std::size_t i : thing.observations) {
+  for (const std::size_t i : object.observations) {
     if (observations[i].crop.area.empty()) continue;
     if (!best || observations[i].range_m < best->range_m) best = &observations[i];
   }
@@ -62,15 +62,15 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
       "(m)</th><th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
       "observation</th></tr>\n";
   int number = 0;
-  for (const calibration::ObservedObject& thing : model.things) {
+  for (const calibration::ObservedObject& object : model.objects) {
     ++number;
-    csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, thing);
-    html += thing.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
+    csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, object);
+    html += object.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
     html +=
         row("<td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>"
             "<td>{:.0f}</td><td>{:.0f}</td>",
-            number, thing);
-    if (const auto* best = best_observation(thing, observations)) {
+            number, object);
+    if (const auto* best = best_observation(object, observations)) {
       const std::string name = "thing_" + std::to_string(number) + ".png";
       write_picture(folder + "/" + name, best->crop);
       html += "<td><img src=\"" + name + "\" alt=\"object " + std::to_string(number) + "\"></td>";

@@ -74,20 +74,20 @@ TEST(MultinomialFit, SeparableOrMissingOutcomesStayFinite) {
   EXPECT_TRUE(fit_multinomial({Eigen::MatrixXd(2, 0), {}, {}}, 1.0).weights.isZero());
 }
 
-/// Looks at things of a class each: the class decides colour and width, with overlap; some are of
+/// Looks at objects of a class each: the class decides colour and width, with overlap; some are of
 /// the laser only.
 std::vector<ProbabilitySample> observations(std::uint64_t seed, int num_recordings,
-                                            int num_things) {
+                                            int num_objects) {
   simulation::Random random(seed);
   std::vector<ProbabilitySample> samples;
   for (int recording = 0; recording < num_recordings; ++recording) {
-    for (int thing = 0; thing < num_things; ++thing) {
+    for (int object = 0; object < num_objects; ++object) {
       const bool is_tree = random.uniform() < 0.6;
-      const double own = random.normal();  // what all observations of this thing share
+      const double own = random.normal();  // what all observations of this object share
       for (int observation = 0; observation < 8; ++observation) {
         ProbabilitySample sample;
         sample.recording = recording;
-        sample.thing = thing;
+        sample.object = object;
         sample.outcome = is_tree ? Outcome::kTree : Outcome::kObject;
         Detection& d = sample.detection;
         d.range_m = random.uniform(1.0, 4.0);
@@ -147,8 +147,8 @@ TEST(ProbabilityLearner, ObservationsThatFractionTheirErrorsCountForLess) {
   const ProbabilityFit of_alike = learn_probability(alike, {0.1, 1.0, 10});
   EXPECT_GT(of_alike.correlation, 0.1);
   // the same looks shared out anew within each class are independent
-  std::vector<int> things[2];
-  for (const auto& s : alike) things[s.outcome == Outcome::kTree].push_back(s.thing);
+  std::vector<int> objects[2];
+  for (const auto& s : alike) objects[s.outcome == Outcome::kTree].push_back(s.object);
   std::vector<ProbabilitySample> shuffled;
   for (const bool tree : {true, false}) {
     std::vector<ProbabilitySample> own;

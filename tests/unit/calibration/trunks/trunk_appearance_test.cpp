@@ -56,7 +56,8 @@ TEST(TrunkAppearance, LateTrunksAreAddedByTheirAppearanceAndPostsAreNot) {
   const TrunkModel all = with_likely_trunks(observations, first, {}, {});
   EXPECT_EQ(all.num_trunks, 19);
   for (std::size_t i = 0; i < things.size(); ++i) {
-    EXPECT_EQ(all.things.at(i).is_trunk, things[i] == Sort::kTrunk || things[i] == Sort::kLateTrunk)
+    EXPECT_EQ(all.objects.at(i).is_trunk,
+              things[i] == Sort::kTrunk || things[i] == Sort::kLateTrunk)
         << i;
   }
   // What a person picked stays as it is.

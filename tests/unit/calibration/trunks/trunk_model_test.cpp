@@ -63,7 +63,7 @@ TEST(TrunkModel, MeasuresTheDominantKindAndLeavesTheOthersOut) {
       {{24, 0.09, 0.008, 30.0}, {6, 0.17, 0.008, 30.0}, {6, 0.09, 0.008, 210.0}}, 8, 1);
   const TrunkModel model = estimate_trunk_model(observations, {});
   EXPECT_EQ(model.num_trunks, 24);
-  EXPECT_EQ(model.things.size(), 36u);
+  EXPECT_EQ(model.objects.size(), 36u);
   EXPECT_NEAR(model.width_mean_m, 0.09, 0.0015);
   EXPECT_NEAR(model.width_sd_m, 0.008, 0.001);
   EXPECT_LT(model.hue_min_deg, 24.0);
@@ -203,7 +203,7 @@ TEST(TrunkModel, PicksByNumberAreTheTrunks) {
   const TrunkModel model = estimate_trunk_model(observations, options);
   EXPECT_EQ(model.num_trunks, 5);
   EXPECT_NEAR(model.width_mean_m, 0.17, 0.003);
-  EXPECT_FALSE(model.things[28].is_trunk);
+  EXPECT_FALSE(model.objects[28].is_trunk);
   options.picked = {31};
   EXPECT_THROW(estimate_trunk_model(observations, options), std::runtime_error);
 }

@@ -50,7 +50,7 @@ class Editor {
       : random_(seed), map_(orchard_of(num_rows, num_trees, random_)) {
     for (const Landmark& l : map_) {
       states_.resize(1);
-      states_[0].things[l.id] = {{l.x_m, l.y_m}, l.label, l.row, l.position, {}};
+      states_[0].objects[l.id] = {{l.x_m, l.y_m}, l.label, l.row, l.position, {}};
     }
     next_id_ = static_cast<int>(map_.size()) + 1;
   }
@@ -92,12 +92,12 @@ class Editor {
     EXPECT_EQ(map.count(CorrectionOutcome::kByPlace), 0);
     EXPECT_EQ(map.count(CorrectionOutcome::kSatisfied), 0);
     const State& state = states_.back();
-    ASSERT_EQ(map.landmarks.size(), state.things.size());
+    ASSERT_EQ(map.landmarks.size(), state.objects.size());
     EXPECT_EQ(map.next_id, next_id_);
     EXPECT_TRUE(map.row_names == state.row_names);
     for (const Landmark& l : map.landmarks) {
-      ASSERT_EQ(state.things.count(l.id), 1u) << l.id;
-      const Thing& thing = state.things.at(l.id);
+      ASSERT_EQ(state.objects.count(l.id), 1u) << l.id;
+      const Thing& thing = state.objects.at(l.id);
       EXPECT_EQ(l.label, thing.label);
       EXPECT_LT((Vector2d(l.x_m, l.y_m) - thing.p).norm(), 1e-9);
       EXPECT_EQ(l.row, thing.row) << l.id;
@@ -116,14 +116,14 @@ class Editor {
     return {entry.first, entry.second.p, entry.second.label, 0.0};
   }
   std::map<int, Thing>::iterator any(State& state) {
-    return std::next(state.things.begin(), pick(static_cast<int>(state.things.size())));
+    return std::next(state.objects.begin(), pick(static_cast<int>(state.objects.size())));
   }
   /// A place where nothing stands within 0.8 m.
   Vector2d free_place(const State& state) {
     for (;;) {
       const Vector2d p(30.0 * length(), 30.0 * length());
       bool is_free = true;
-      for (const auto& [id, thing] : state.things) is_free &= (thing.p - p).norm() > 0.8;
+      for (const auto& [id, thing] : state.objects) is_free &= (thing.p - p).norm() > 0.8;
       if (is_free) return p;
     }
   }
@@ -136,11 +136,11 @@ class Editor {
       c.new_id = next_id_++;
       c.places_map = {free_place(state)};
       c.label = pick(2) ? Label::kTree : Label::kObject;
-      state.things[c.new_id] = {c.places_map[0], c.label, 0, 0, {}};
+      state.objects[c.new_id] = {c.places_map[0], c.label, 0, 0, {}};
     } else if (what <= 5) {
       c.kind = CorrectionKind::kDelete;
       c.targets = {target(*one)};
-      state.things.erase(one);
+      state.objects.erase(one);
     } else if (what == 6) {
       c.kind = CorrectionKind::kMove;
       c.targets = {target(*one)};
@@ -160,7 +160,7 @@ class Editor {
       c.places_map = {free_place(state), {0, 0}};
       c.places_map[1] = c.places_map[0] + Vector2d(0.6, 0.0);
       thing.p = c.places_map[0];
-      state.things[c.new_id] = {c.places_map[1], thing.label, 0, 0, {}};
+      state.objects[c.new_id] = {c.places_map[1], thing.label, 0, 0, {}};
     } else if (what == 11) {
       c.kind = CorrectionKind::kRowName;
       c.row = 1 + pick(3);
@@ -192,7 +192,7 @@ class Editor {
     const Thing& b = other->second;
     for (const std::string& note : b.notes) a.notes.push_back(note);
     if (a.row == 0) a.row = b.row, a.position = b.position;
-    state.things.erase(other);
+    state.objects.erase(other);
   }
 
   std::mt19937 random_;

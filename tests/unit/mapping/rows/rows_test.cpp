@@ -379,8 +379,8 @@ TEST(Rows, OfTwoInOnePlaceTheSurerOneIsTheTree) {
   std::mt19937_64 random(7);
   Planted block = plant(plan, random);
   take_posts_for_trees(block);
-  const int num_things = static_cast<int>(block.landmarks.size());
-  for (int i = 0; i < num_things; i += 9) {  // beside a tree, towards either side
+  const int num_objects = static_cast<int>(block.landmarks.size());
+  for (int i = 0; i < num_objects; i += 9) {  // beside a tree, towards either side
     Landmark l = block.landmarks[static_cast<std::size_t>(i)];
     if (block.numbers.count(l.id) == 0) continue;
     l.id += 5000;

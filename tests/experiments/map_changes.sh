@@ -11,7 +11,8 @@
 #   MODE=fixes      places the robot by POSE_FIX (default); slam: by wheels and trunks, each map in a
 #                   frame of its own
 #   KINDS=replaced  only fells and plants
-#   KINDS=grown     only lets a third of the trees grow by 10 mm (sd 2.5), each day of three laps
+#   KINDS=grown     only lets a third of the trees grow by 10 mm (sd 2.5), each day of three laps, and
+#                   prints how well growth is known, and could be (growth_bound.py); fixes only
 #   VERBOSE=1       says which claims are false and which changes were not found
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
@@ -49,7 +50,9 @@ frame_of() {
 
 for seed in $(seq "$first" "$last"); do
   for drive in before same changed; do
-    "$orchard" simulate --scene orchard --seed "$seed" --out "$work/$drive.lcm" \
+    looks=()
+    [ "$kinds" != grown ] || looks=(--observations "$work/$drive.looks.csv")
+    "$orchard" simulate --scene orchard --seed "$seed" --out "$work/$drive.lcm" "${looks[@]}" \
       --truth "$work/$drive.csv" --poses "$work/$drive.poses.csv" --config "$work/$drive.yaml" >/dev/null
     known=()
     [ "$drive" != changed ] || known=(--previous "$work/before")
@@ -66,6 +69,8 @@ for seed in $(seq "$first" "$last"); do
       END { printf "%d true changes, %d found, %d false, %d of posts and bushes", t, n["right"],
         n["false"], n["object"] }' "$work/seed")"
   done
+  [ "$kinds" != grown ] ||
+    tests/experiments/growth_bound.py "$work/before" "$work/changed" >>"$work/scores"
   awk -f tests/experiments/map_ids.awk "$work/before.poses.csv" "$(frame_of before)" \
     "$work/changed.poses.csv" "$(frame_of changed)" "$work/before.csv" "$work/changed.csv" \
     "$work/before/map.csv" "$work/changed/map.csv" 2>&3 | tee -a "$work/scores" |
@@ -74,6 +79,7 @@ done
 
 awk -F, '
   $1 == "ids" { pairs += $2; ids += $3; numbers += $4; reused += $5; next }
+  $1 == "growth" { trees += $2; errors += $3; squares += $4; bounds += $5; next }
   $2 == "compared" { compared[$1] += $3 }
   $1 == "same" && $2 == "claim" { same++ }
   $1 == "changed" && $2 == "truth" { t[$3] += $4 }
@@ -98,4 +104,6 @@ awk -F, '
       printf "%-11s %6d  %.3f  %.3f\n", names[b + 1], claims[b], sum[b] / claims[b], right[b] / claims[b]
     printf "ids: of %d trees in both maps %d with another id, %d with another row or position; %d known ids given to new trees\n",
       pairs, ids, numbers, reused
+    if (trees) printf "growth of %d trees: bias %.2f mm, RMS error %.2f mm, Cramer-Rao bound %.2f mm\n",
+      trees, 1e3 * errors / trees, 1e3 * sqrt(squares / trees), 1e3 * sqrt(bounds / trees)
   }' "$work/scores"

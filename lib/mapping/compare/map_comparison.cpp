@@ -76,6 +76,22 @@ bool are_trees(const Landmark& a, const Landmark& b) {
   return a.label == Label::kTree && b.label == Label::kTree;
 }
 
+/// Removes values more than three robust standard deviations from the median, repeatedly: trees
+/// that grew would otherwise widen the scatter of the others.
+void remove_outliers(std::vector<double>& values) {
+  std::size_t before = values.size() + 1;
+  while (values.size() < before) {
+    before = values.size();
+    const double middle = geometry::median(values);
+    std::vector<double> deviations = values;
+    for (double& deviation : deviations) deviation -= middle;
+    const double limit = 3.0 * geometry::robust_sd(std::move(deviations));
+    values.erase(std::remove_if(values.begin(), values.end(),
+                                [&](double value) { return std::abs(value - middle) > limit; }),
+                 values.end());
+  }
+}
+
 /// Statistics of the width differences between the two maps.
 struct WidthChange {
   double common_m = 0.0;
@@ -97,6 +113,7 @@ WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<La
     if (are_trees(l, m)) of_trees_m.push_back(m.width_m - l.width_m);
   }
   std::vector<double>& changes_m = of_trees_m.size() >= kMinTrees ? of_trees_m : of_all_m;
+  remove_outliers(changes_m);
   WidthChange change;
   change.num_pairs = changes_m.size();
   change.common_m = geometry::median(changes_m);
@@ -130,6 +147,7 @@ WidthNoise width_noise_of(const std::vector<Landmark>& a, const std::vector<Land
       deviations.push_back((m.width_m - l.width_m - common_m) / sd_m);
   }
   if (deviations.size() < kMinTrees) return {};
+  remove_outliers(deviations);
   return {std::max(1.0, geometry::robust_sd(std::move(deviations)))};
 }
 
@@ -313,10 +331,8 @@ class MapComparer {
     c.width_change_m = pair.width_change_m;
     c.width_change_se_m =
         pair.width_sd_m > 0.0 ? pair.width_sd_m : pair.noise_factor * scatter_.width_sd_m;
-    const double change_m = std::abs(c.width_change_m);
     const bool is_wide =
-        change_m >= config_.width_change_min_m &&
-        change_m >= config_.sigmas_min * c.width_change_se_m &&
+        std::abs(c.width_change_m) >= config_.sigmas_min * c.width_change_se_m &&
         (a_.landmarks[i].label == Label::kTree || b_.landmarks[j].label == Label::kTree);
     if (in_clump) {
       c.confidence = 0.5;

@@ -17,12 +17,10 @@ namespace {
 constexpr double kStray = 0.1;
 /// Minimum fraction of the unoccluded scans that show the other leg.
 constexpr double kBeside = 0.5;
-/// A longer gap between observations means that the robot left and came back [us].
-constexpr std::int64_t kVisitGap_us = 20'000'000;
 /// Longest time that a person stands still [us].
 constexpr std::int64_t kStandsMax_us = 120'000'000;
-/// Max number of observations examined for the time of the visit, and for the other leg.
-constexpr std::size_t kVisitObservationsMax = 2000, kBesideObservationsMax = 64;
+/// Max number of observations examined for how long it stood, and for the other leg.
+constexpr std::size_t kObservationsMax = 2000, kBesideObservationsMax = 64;
 /// Pairs are legs only if rows have more than this many trees per paired tree; else they are double
 /// stems.
 constexpr double kTreesPerPair = 10.0;
@@ -85,21 +83,16 @@ std::optional<Eigen::Vector2d> other_leg(const MapState& map, const Landmark& le
   return is_leg ? std::make_optional(other) : std::nullopt;
 }
 
-/// Whether a landmark was observed in one visit of at most kStandsMax_us.
-bool only_visit(const MapState& map, std::int32_t id) {
+/// Whether a landmark was observed for no longer than a person stands still, be it in one visit of
+/// the robot or in several.
+bool only_briefly(const MapState& map, std::int32_t id) {
   const std::vector<std::int32_t> newest =
-      map.observations.newest_of(map.landmarks[id - 1].last_observation, kVisitObservationsMax);
-  if (newest.empty() || newest.size() == kVisitObservationsMax) return false;
+      map.observations.newest_of(map.landmarks[id - 1].last_observation, kObservationsMax);
+  if (newest.empty() || newest.size() == kObservationsMax) return false;
   const auto utime_of = [&](std::int32_t k) {
     return map.observations.pose(map.observations[k].scan).utime;
   };
-  std::int64_t first_us = utime_of(newest.front());
-  for (const std::int32_t k : newest) {
-    const std::int64_t utime = utime_of(k);
-    if (first_us - utime > kVisitGap_us) return false;
-    first_us = std::min(first_us, utime);
-  }
-  return utime_of(newest.front()) - first_us <= kStandsMax_us;
+  return utime_of(newest.front()) - utime_of(newest.back()) <= kStandsMax_us;
 }
 
 class StanceNeighbours {
@@ -152,7 +145,7 @@ std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landm
   const auto num_of = [&](const Landmark& l) { return map.landmarks[l.id - 1].num_all; };
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& a = landmarks[i];
-    if (stays(a) || !is_leg_wide(a) || !only_visit(map, a.id)) continue;
+    if (stays(a) || !is_leg_wide(a) || !only_briefly(map, a.id)) continue;
     const auto other = other_leg(map, a);
     if (!other) continue;
     const auto others = neighbours.of(i);

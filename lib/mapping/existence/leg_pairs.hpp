@@ -13,8 +13,8 @@ namespace orchard::mapping {
 /// in ascending order.
 ///
 /// A leg is a landmark as thin as a leg, beside which most scans with a clear view show a second
-/// leg at the distance of a stance, with no third object there, observed in a single visit no
-/// longer than people stand still. Returns none if trees in the map's rows stand in such pairs too
+/// leg at the distance of a stance, with no third object there, observed for no longer than people
+/// stand still, in one visit or several. Returns none if trees in the map's rows stand in such pairs too
 /// (double stems), or if there are too few trees in rows to judge. Trees in rows are never legs,
 /// nor, with `trusts_camera`, are landmarks that a camera labelled TREE. `landmarks`: of this map,
 /// with rows.

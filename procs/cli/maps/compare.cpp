@@ -39,7 +39,7 @@ void print_change(const io::ComparisonContent& content, const MapChange& c) {
   std::string detail;
   if (c.change == Change::kMoved) detail = fmt::format("by {:.2f} m", c.moved_m);
   if (c.change == Change::kGrown || c.change == Change::kThinner) {
-    detail = fmt::format("by {:+.0f} mm (standard error {:.0f})", 1e3 * c.width_change_m,
+    detail = fmt::format("by {:+.1f} mm (standard error {:.1f})", 1e3 * c.width_change_m,
                          1e3 * c.width_change_se_m);
   }
   std::printf("%-9s  %10.3f  %6s  %6s  %8s  %9.2f  %9.2f  %s\n", mapping::change_text(c.change),

@@ -177,6 +177,37 @@ TEST(MapComparison, ATrunkThatGrewBeyondTheClassOfTreesHasGrown) {
   }
 }
 
+TEST(MapComparison, GrowthIsClaimedAsFarAsTheWidthsAreKnown) {
+  for (const double sd_m : {0.0005, 0.004}) {
+    Dice dice(63);
+    Block block = plant_block(dice, 6, 15);
+    Drive drive;
+    drive.last_alley = 6;
+    drive.along_max_m = 31.0;
+    drive.width_sd_m = sd_m;
+    DrivenMap a = drive_through(block, drive, dice);
+    for (std::size_t i = 0; i < block.trees.size(); i += 3) block.trees[i].width_m += 0.005;
+    DrivenMap b = drive_through(block, drive, dice);
+    for (DrivenMap* map : {&a, &b}) {
+      for (Landmark& l : map->landmarks) l.width_sd_m = sd_m;
+    }
+    int num_grown = 0, num_found = 0, num_false = 0;
+    for (const MapChange& c : compare(a, b).changes) {
+      const bool has_grown = tree_of(c, a, b) % 3 == 0;
+      num_grown += has_grown;
+      num_found += has_grown && c.change == Change::kGrown;
+      num_false += !has_grown && c.change == Change::kGrown;
+    }
+    ASSERT_GT(num_grown, 15);
+    EXPECT_EQ(num_false, 0) << sd_m;
+    if (sd_m < 0.001) {
+      EXPECT_GE(num_found, 0.95 * num_grown);  // 5 mm are seven standard deviations of a difference
+    } else {
+      EXPECT_EQ(num_found, 0);  // less than one
+    }
+  }
+}
+
 TEST(MapComparison, CommonGrowthIsThatOfTheTreesWhateverPostsAndBushesDo) {
   for (const double growth_m : {0.0094, 0.02}) {
     Dice dice(71);
@@ -211,9 +242,7 @@ TEST(MapComparison, CommonGrowthIsThatOfTheTreesWhateverPostsAndBushesDo) {
     // the median of 80 differences of widths, each with a standard deviation of 1.4 mm
     EXPECT_NEAR(comparison.width_change_common_m, growth_m, 0.001);
     EXPECT_LT(comparison.width_change_common_se_m, 0.0005);
-    if (growth_m > 0.012) {
-      EXPECT_GT(comparison.count(Change::kGrown), static_cast<int>(0.9 * num_trees));
-    }
+    EXPECT_GT(comparison.count(Change::kGrown), static_cast<int>(0.9 * num_trees));
   }
 }
 

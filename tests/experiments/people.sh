@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # What three people about, who walk ahead, beside and behind the robot or stand until it is past,
-# leave in the map of a laser alone: over seeds 1-20 (or FIRST LAST) the first minute of the easy
-# orchard. Prints landmarks where nothing of the truth stands, and what was kept of what does.
-#   OUT=out/people  BUILD=build
+# leave in the map of a laser alone: over seeds 1-20 (or FIRST LAST) whole drives of the easy orchard,
+# or the first minute of each. Prints landmarks where nothing of the truth stands, and what was kept
+# of what does.
+#   SECONDS_PER_DRIVE=60  OUT=out/people  BUILD=build
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
@@ -17,7 +18,7 @@ for seed in $(seq "${1:-1}" "${2:-20}"); do
   stem=$out/$seed
   if [ ! -s "$stem.lcm" ]; then
     nice -n 10 "$orchard" simulate --scene orchard --seed "$seed" --config "$out/rig.yaml" \
-      --duration 60 --out "$stem.part.lcm" --truth "$stem.truth.csv" >/dev/null
+      ${SECONDS_PER_DRIVE:+--duration "$SECONDS_PER_DRIVE"} --out "$stem.part.lcm" --truth "$stem.truth.csv" >/dev/null
     mv "$stem.part.lcm" "$stem.lcm"
   fi
   nice -n 10 "$orchard" map "$stem.lcm" --config "$out/rig.yaml" --out "$stem" --quiet

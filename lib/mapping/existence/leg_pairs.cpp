@@ -120,13 +120,41 @@ class StanceNeighbours {
   geometry::PointGrid grid_{2.0};
 };
 
+/// Landmarks that stand as a leg does: as thin, with another leg beside them and no third object.
+class LegTest {
+ public:
+  LegTest(const MapState& map, const std::vector<Landmark>& landmarks)
+      : map_(map), landmarks_(landmarks), neighbours_(landmarks) {}
+
+  int num_of(const Landmark& l) const { return map_.landmarks[l.id - 1].num_all; }
+  std::vector<std::size_t> beside(std::size_t i) const { return neighbours_.of(i); }
+
+  bool operator()(std::size_t i) const {
+    const Landmark& a = landmarks_[i];
+    if (!is_leg_wide(a)) return false;
+    const auto other = other_leg(map_, a);
+    if (!other) return false;
+    const auto others = beside(i);
+    return std::none_of(others.begin(), others.end(), [&](std::size_t k) {
+      const Landmark& c = landmarks_[k];
+      const double beside_m = (place_of(c) - place_of(a) - *other).norm();
+      return beside_m >= kStanceMin_m && num_of(c) >= kStray * num_of(a);
+    });
+  }
+
+ private:
+  const MapState& map_;
+  const std::vector<Landmark>& landmarks_;
+  StanceNeighbours neighbours_;
+};
+
 /// Whether the trees in the rows of this map stand singly, not in pairs.
-bool trees_stand_alone(const MapState& map, const std::vector<Landmark>& landmarks) {
+bool trees_stand_alone(const LegTest& stands_as_leg, const std::vector<Landmark>& landmarks) {
   int num_trees = 0, num_paired = 0;
-  for (const Landmark& tree : landmarks) {
-    if (tree.row == 0) continue;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (landmarks[i].row == 0) continue;
     ++num_trees;
-    num_paired += is_leg_wide(tree) && other_leg(map, tree).has_value();
+    num_paired += stands_as_leg(i);
   }
   return num_trees > kTreesPerPair * (num_paired + 1);
 }
@@ -136,27 +164,23 @@ bool trees_stand_alone(const MapState& map, const std::vector<Landmark>& landmar
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
                                     bool trusts_camera) {
   std::vector<std::int32_t> legs;
-  if (!trees_stand_alone(map, landmarks)) return legs;
-  const StanceNeighbours neighbours(landmarks);
+  const LegTest stands_as_leg(map, landmarks);
+  if (!trees_stand_alone(stands_as_leg, landmarks)) return legs;
   const auto stays = [&](const Landmark& l) {
     const bool is_sure = trusts_camera && l.label == detection::Label::kTree;
     return l.row > 0 || l.length_m > 0.0 || is_sure;
   };
-  const auto num_of = [&](const Landmark& l) { return map.landmarks[l.id - 1].num_all; };
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& a = landmarks[i];
-    if (stays(a) || !is_leg_wide(a) || !only_briefly(map, a.id)) continue;
-    const auto other = other_leg(map, a);
-    if (!other) continue;
-    const auto others = neighbours.of(i);
-    const bool has_third = std::any_of(others.begin(), others.end(), [&](std::size_t k) {
-      const Landmark& c = landmarks[k];
-      // The landmark with more observations decides.
-      if (stays(c) || num_of(c) > num_of(a)) return true;
-      const double beside_m = (place_of(c) - place_of(a) - *other).norm();
-      return beside_m >= kStanceMin_m && num_of(c) >= kStray * num_of(a);
-    });
-    if (has_third) continue;
+    if (stays(a) || !only_briefly(map, a.id) || !stands_as_leg(i)) continue;
+    const auto others = stands_as_leg.beside(i);
+    // The landmark with more observations decides.
+    if (std::any_of(others.begin(), others.end(), [&](std::size_t k) {
+          return stays(landmarks[k]) ||
+                 stands_as_leg.num_of(landmarks[k]) > stands_as_leg.num_of(a);
+        })) {
+      continue;
+    }
     legs.push_back(a.id);
     for (const std::size_t k : others) legs.push_back(landmarks[k].id);
   }

@@ -16,6 +16,8 @@ using Eigen::Vector2d;
 constexpr double kLegSpeed_mps = 3.0;
 /// Max duration of a step [us], during which a foot rests.
 constexpr std::int64_t kStep_us = 600'000;
+/// Distance between the footprints of a brisk walk of 1.5 m/s, two steps a second.
+constexpr double kStepLength_m = 0.75;
 /// A leg not observed for half a step is lost [us].
 constexpr std::int64_t kLost_us = kStep_us / 2;
 /// A walked path has at least this many positions, and the distance of its ends is at least this
@@ -113,7 +115,7 @@ bool WalkerTracks::passes(const Step& seen) const {
       std::lower_bound(steps_.begin(), steps_.end(), seen.utime - kStep_us,
                        [](const Step& step, std::int64_t utime) { return step.utime < utime; });
   for (auto step = first; step != steps_.end() && step->utime <= seen.utime + kStep_us; ++step) {
-    if ((step->p_map - seen.p_map).norm() <= kStanceMax_m) return true;
+    if ((step->p_map - seen.p_map).norm() <= kStepLength_m) return true;
   }
   return false;
 }

@@ -14,6 +14,8 @@ using Eigen::Vector2d;
 
 /// Number of trees used to predict the next one: a robust line through five tolerates two outliers.
 constexpr std::size_t kLineTrees = 5;
+/// The same on either side of a tree between others.
+constexpr std::size_t kBesideTrees = 3;
 /// Minimum number of trees for the spread about such lines.
 constexpr std::size_t kTellingMin = 10;
 /// Minimum number of trees for the curvature of a row.
@@ -26,7 +28,7 @@ constexpr double kTreeOdds = 300.0;
 /// Lower limit of the spread of planted trees [m].
 constexpr double kStraightest_m = 0.01;
 
-/// Deviation of the last tree of a chain from the line through the five before it.
+/// Deviation of a tree of a chain from the line through others.
 struct End {
   double beside_m = 0.0;  ///< offset to the left of the line
   double bends_m2 = 0.0;  ///< the same for a row that turns left by 1 rad per metre
@@ -49,28 +51,33 @@ double at_zero(const std::vector<double>& x, const std::vector<double>& y) {
   return geometry::midpoint_median(std::move(offsets));
 }
 
-End end_of(const std::vector<Vector2d>& p_map, RowChain::const_iterator last) {
-  const auto at = [&](std::ptrdiff_t back) -> const Vector2d& {
-    return p_map[static_cast<std::size_t>(*(last - back))];
+/// Deviation of a tree from the robust line through others of its chain, in their order.
+End deviation_of(const std::vector<Vector2d>& p_map, std::int32_t tree, const RowChain& others) {
+  const auto at = [&](std::int32_t i) -> const Vector2d& {
+    return p_map[static_cast<std::size_t>(i)];
   };
-  const auto trees = static_cast<std::ptrdiff_t>(kLineTrees);
-  const Vector2d along = (at(1) - at(trees)).normalized();
+  const auto num = static_cast<double>(others.size());
+  const Vector2d along = (at(others.back()) - at(others.front())).normalized();
   std::vector<double> along_m, left_m, turned_m2;
   double mean_m = 0.0, square_m2 = 0.0;
-  for (std::ptrdiff_t i = 1; i <= trees; ++i) {
-    const Vector2d d = at(i) - at(0);
+  for (const std::int32_t i : others) {
+    const Vector2d d = at(i) - at(tree);
     along_m.push_back(along.dot(d));
     left_m.push_back(along.x() * d.y() - along.y() * d.x());
     turned_m2.push_back(0.5 * geometry::square(along_m.back()));
-    mean_m += along_m.back() / static_cast<double>(trees);
+    mean_m += along_m.back() / num;
   }
   for (const double m : along_m) square_m2 += geometry::square(m - mean_m);
   End end;
   end.beside_m = -at_zero(along_m, left_m);
   end.bends_m2 = -at_zero(along_m, turned_m2);
-  end.errs = std::sqrt(1.0 + 1.0 / static_cast<double>(trees) +
-                       mean_m * mean_m / std::max(1e-6, square_m2));
+  end.errs = std::sqrt(1.0 + 1.0 / num + mean_m * mean_m / std::max(1e-6, square_m2));
   return end;
+}
+
+/// Deviation of the last tree of a chain from the line through the five before it.
+End end_of(const std::vector<Vector2d>& p_map, RowChain::const_iterator last) {
+  return deviation_of(p_map, *last, RowChain(last - static_cast<std::ptrdiff_t>(kLineTrees), last));
 }
 
 /// Deviations of all trees of a chain that have five trees before them.
@@ -93,6 +100,34 @@ double curvature(const std::vector<End>& own, double of_all) {
 /// Distance of a tree from its row's curve [m], scaled to the standard error of one tree.
 double off_m(const End& end, double row_curvature) {
   return std::abs(end.beside_m - row_curvature * end.bends_m2) / end.errs;
+}
+
+/// Whether trees, in their order, lie on one curve: each within `most_m` of the line through the
+/// others.
+bool are_in_line(const std::vector<Vector2d>& p_map, const RowChain& trees, double row_curvature,
+                 double most_m) {
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    RowChain others = trees;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (off_m(deviation_of(p_map, trees[i], others), row_curvature) > most_m) return false;
+  }
+  return true;
+}
+
+/// Removes the trees between others that deviate by more than `most_m` from the line of the
+/// `kBesideTrees` on either side, if those lie on a line themselves; the slots stay, empty.
+void drop_from_middle(const std::vector<Vector2d>& p_map, double row_curvature, double most_m,
+                      RowChain& chain) {
+  for (std::size_t k = kBesideTrees; k + kBesideTrees < chain.size(); ++k) {
+    const auto tree = chain.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto beside = static_cast<std::ptrdiff_t>(kBesideTrees);
+    RowChain others(tree - beside, tree);
+    others.insert(others.end(), tree + 1, tree + 1 + beside);
+    if (off_m(deviation_of(p_map, *tree, others), row_curvature) <= most_m) continue;
+    if (!are_in_line(p_map, others, row_curvature, most_m)) continue;
+    chain.erase(tree);
+    --k;
+  }
 }
 
 }  // namespace
@@ -125,6 +160,7 @@ void trim_row_ends(const std::vector<Vector2d>& p_map, double spacing_m,
              off_m(end_of(p_map, std::prev(chain.end())), row_curvature) > most_m) {
         chain.pop_back();
       }
+      if (end == 1) drop_from_middle(p_map, row_curvature, most_m, chain);
       std::reverse(chain.begin(), chain.end());
     }
   }

@@ -150,7 +150,7 @@ void LiveNode::check_peers(StopSignal& stop) {
 void LiveNode::require_single_instance() const {
   const Clock::time_point now = Clock::now();
   if (!alone_ || now - start_ > kGiveWay) return;
-  if (!peers_.twin_is_older(report_.num_sent(), now)) return;
+  if (!peers_.duplicate_is_older(report_.num_sent(), now)) return;
   throw std::runtime_error(peers_.duplicate(now) + " is already running on " + bus_.url() +
                            ": stop it first, or set another lcm.url for this process");
 }

@@ -92,7 +92,7 @@ std::string PeerProcesses::duplicate(Clock::time_point now) const {
   return duplicate == nullptr ? "" : duplicate->name + " on " + duplicate->host;
 }
 
-bool PeerProcesses::twin_is_older(std::int32_t own_seq, Clock::time_point now) const {
+bool PeerProcesses::duplicate_is_older(std::int32_t own_seq, Clock::time_point now) const {
   const Process* duplicate = find_duplicate(now);
   return duplicate != nullptr &&
          (duplicate->seq > own_seq || (duplicate->seq == own_seq && duplicate->host < host_));
@@ -113,7 +113,7 @@ std::string PeerProcesses::text(Clock::time_point now) const {
   for (const auto& [name, config] : configs_) {
     if (config.hash == config_hash_ || now - config.heard > kConfigGoneAfter) continue;
     const std::string who = named(name, now);
-    append(text, (who.empty() ? name : who) + " runs with another configuration");
+    append(text, "another configuration is used by " + (who.empty() ? name : who));
   }
   for (const Process& process : processes_) {
     if (now - process.heard > kGoneAfter || process.offsets_us.size() < kOffsets) continue;

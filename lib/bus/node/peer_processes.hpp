@@ -35,7 +35,7 @@ class PeerProcesses {
   std::string duplicate(Clock::time_point now) const;
 
   /// Whether that process has been running longer than this one, which has sent `own_seq` STATUS.
-  bool twin_is_older(std::int32_t own_seq, Clock::time_point now) const;
+  bool duplicate_is_older(std::int32_t own_seq, Clock::time_point now) const;
 
   /// Lists the processes whose name contains `part`: "orchard-sim-driver on robot:12,
   /// orchard-sim-driver on laptop:99".

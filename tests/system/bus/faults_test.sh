@@ -46,7 +46,7 @@ kill -0 "$first" || fail "the first one ended"
 printf 'mapper:\n  gate_m: 0.29\n' >"$work/other.yaml"
 start "$work/b.out" "$node" --role pose --config "$work/other.yaml" --lcm-url "$url"
 second=$started
-watch orchard-fake 0 "runs with another configuration" || fail "another configuration is not said"
+watch orchard-fake 0 "another configuration is used by" || fail "another configuration is not said"
 stop "$second"; stop "$first"
 echo "ok: two of a kind"
 
@@ -68,7 +68,11 @@ stop "$process"
 took_ms=$((($(date +%s%N) - before) / 1000000))
 [ "$code" -eq 0 ] || fail "flood: exit code $code"
 echo "flood: at most $most_kb kB, stopped in $took_ms ms"
-[ "$most_kb" -lt 300000 ] || fail "a flood took $most_kb kB"
+if [ -n "${ORCHARD_SANITIZED:-}" ]; then
+  echo "skipped: the limit on memory, as a sanitizer keeps notes of its own"
+else
+  [ "$most_kb" -lt 300000 ] || fail "a flood took $most_kb kB"
+fi
 [ "$took_ms" -lt 10000 ] || fail "a stop in a flood took $took_ms ms"  # 600 where nothing else runs
 kill "$flood" 2>/dev/null || true
 wait "$flood" 2>/dev/null || true

@@ -54,7 +54,7 @@ TEST(PeerProcesses, SaysWhoHasAnotherConfiguration) {
   EXPECT_TRUE(mine.text(Time()).empty());
   notice.hash = 8;
   mine.note(notice, Time());
-  EXPECT_EQ(mine.text(Time()), "orchard-pose on laptop:5 runs with another configuration");
+  EXPECT_EQ(mine.text(Time()), "another configuration is used by orchard-pose on laptop:5");
 }
 
 TEST(PeerProcesses, SaysWhoseClockIsAnother) {

@@ -17,6 +17,7 @@
 #include <Eigen/LU>
 
 #include "experiments/satellites_bound.hpp"
+#include "geometry/pose2.hpp"
 #include "io/config/config.hpp"
 #include "pose/filter/fusion.hpp"
 #include "simulation/simulator.hpp"
@@ -195,7 +196,9 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   const Judged then = judge(smooth, gaps, simulator.scene());
   std::vector<PathPoint> bound_live, bound;
   double nees_bound = 0.0;
-  for (const BoundPose& pose : bound_of(config, simulator.scene().path, motion, direct_fixes)) {
+  const std::vector<BoundPose> path_bound =
+      bound_of(config, simulator.scene().path, motion, direct_fixes);
+  for (const BoundPose& pose : path_bound) {
     bound_live.push_back({pose.time_s, pose.told_m.x(), pose.told_m.y()});
     bound.push_back({pose.time_s, pose.p_map_m.x(), pose.p_map_m.y()});
     const simulation::Pose2 truth = simulator.scene().path.pose_at(pose.time_s);
@@ -204,14 +207,22 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   }
   const Judged best_now = judge(bound_live, gaps, simulator.scene());
   const Judged best = judge(bound, gaps, simulator.scene());
+  const Eigen::Vector3d off = map_bound_of(config, simulator.scene().path, direct_fixes);
+  std::vector<PathPoint> as_a_map;
+  for (const BoundPose& pose : path_bound) {
+    const simulation::Pose2 truth = simulator.scene().path.pose_at(pose.time_s);
+    const Eigen::Vector2d p = geometry::transform(off, Eigen::Vector2d(truth.x_m, truth.y_m));
+    as_a_map.push_back({pose.time_s, p.x(), p.y()});
+  }
+  const Judged best_map = judge(as_a_map, gaps, simulator.scene());
   std::printf(
       "%4lu %5d %3zu  %7.3f %7.3f %7.3f  %7.3f %7.3f %7.3f  %5.2f %3d  %4d %5.1f  %6.2f %6.2f  "
-      "%6.2f %6.2f %5.2f %3d %6.2f  %s\n",
+      "%6.2f %6.2f %5.2f %3d %6.2f  %5.2f  %s\n",
       seed, num_fixes, gaps.size(), now.outside.rms_m(), now.outside.most_m, now.inside.rms_m(),
       then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.fraction_worst,
       then.num_fractions_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
       best_now.outside.rms_m(), best.outside.rms_m(), 100.0 * best.fraction_worst,
-      best.num_fractions_good, nees_bound, localiser.warning().c_str());
+      best.num_fractions_good, nees_bound, best_map.outside.rms_m(), localiser.warning().c_str());
   std::fflush(stdout);
 }
 
@@ -228,9 +239,10 @@ int main(int argc, char** argv) {
     const auto kind = simulation::find_scene(argv[2]);
     if (!kind) return 2;
     std::printf(
-        "%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s  %6s %6s %5s %3s %6s\n",
+        "%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s  %6s %6s %5s %3s %6s  "
+        "%5s\n",
         "seed", "fixes", "gap", "now", "most", "in gap", "then", "most", "in gap", "way%", "<1%",
-        "good", "s", "NEES", "then", "bound", "then", "way%", "<1%", "NEES");
+        "good", "s", "NEES", "then", "bound", "then", "way%", "<1%", "NEES", "map");
     for (unsigned long seed = std::strtoul(argv[3], nullptr, 10);
          seed <= std::strtoul(argv[4], nullptr, 10); ++seed) {
       run(config, *kind, seed, argc > 5 ? argv[5] : "");

@@ -7,7 +7,9 @@
 # then the bound, an estimator that knows the true noise and which fixes are reflected: RMSE outside of
 # gaps as told and smoothed, its worst gap and gaps below one percent, NEES of the last pose.
 #   MODE=fused (slam: drives are simulated whole and mapped with fixes)  OUT=out/satellites
+# last, with the true path for a map without errors: its RMSE outside of gaps, registered to the fixes.
 #   RIG=config/park.yaml  SCENE=park  SED='s/a/b/' (another rig)  BUILD=build
+#   STATED_M=0 (what the receiver states as its standard deviation; 0: the true one)
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
@@ -25,6 +27,7 @@ ${use}  gnss:\\
 cat >>"$rig" <<EOF
 
   gnss:
+    stated_sd_m: ${STATED_M:-0}
     sky:
       wander_sd_m: 1.7
       gap_every_s: 40.0

@@ -233,4 +233,39 @@ std::vector<BoundPose> bound_of(const io::Config& config, const simulation::Driv
   return path;
 }
 
+Eigen::Vector3d map_bound_of(const io::Config& config, const simulation::DrivePath& truth,
+                             const std::vector<PlacedFix>& fixes) {
+  // A Kalman filter over the transform (constant) and the receiver's slow error.
+  using State = Eigen::Matrix<double, 5, 1>;
+  using Covariance = Eigen::Matrix<double, 5, 5>;
+  const Model model(config);
+  const double slow = model.variance(kEast);
+  State state = State::Zero();
+  Covariance P = Covariance::Zero();
+  P.diagonal() << square(kAnywhere_m), square(kAnywhere_m), square(geometry::kPi), slow, slow;
+  double before_s = 0.0;
+  for (const PlacedFix& fix : fixes) {
+    const double kept = std::exp(-(fix.time_s - before_s) / model.receiver_s);
+    before_s = fix.time_s;
+    state.tail<2>() *= kept;
+    P.rightCols<2>() *= kept;
+    P.bottomRows<2>() *= kept;
+    P.diagonal().tail<2>().array() += (1.0 - square(kept)) * slow;
+    const simulation::Pose2 pose = truth.pose_at(fix.time_s);
+    const auto& arm_m = config.simulation.gnss.antenna_m;
+    const simulation::Pose2 at = compose(pose, {arm_m[0], arm_m[1], 0.0});
+    const Eigen::Vector2d antenna(at.x_m, at.y_m);
+    Eigen::Matrix<double, 2, 5> H = Eigen::Matrix<double, 2, 5>::Zero();
+    H(0, 0) = H(1, 1) = H(0, 3) = H(1, 4) = 1.0;
+    H.col(2) = Eigen::Vector2d(-antenna.y(), antenna.x());
+    const Eigen::Matrix2d S =
+        H * P * H.transpose() + square(model.fix_sd_m) * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix<double, 5, 2> K = P * H.transpose() * S.inverse();
+    state += K * (fix.p_map_m - antenna - H * state);
+    P -= K * S * K.transpose();
+    P = 0.5 * (P + P.transpose()).eval();
+  }
+  return state.head<3>();
+}
+
 }  // namespace orchard

@@ -33,4 +33,10 @@ std::vector<BoundPose> bound_of(const io::Config& config, const simulation::Driv
                                 const std::vector<pose::Odometry>& odometry,
                                 const std::vector<PlacedFix>& fixes);
 
+/// Returns the small transform [m, m, rad] by which a map without any error of its own would be off
+/// once it is registered to `fixes` (those not reflected) with the receiver's true noise model: the
+/// receiver's slow error is common to the whole map. Bounds mode slam with fixes.
+Eigen::Vector3d map_bound_of(const io::Config& config, const simulation::DrivePath& truth,
+                             const std::vector<PlacedFix>& fixes);
+
 }  // namespace orchard

@@ -378,4 +378,9 @@ int FullGraphProblem::calibration_row(int index) const {
   return equations_->first(columns_[calibration_block(index)]);
 }
 
+int FullGraphProblem::receiver_row(int index) const {
+  const int own = columns_[receiver_block(index)];
+  return own < 0 ? -1 : equations_->first(own);
+}
+
 }  // namespace orchard::pose

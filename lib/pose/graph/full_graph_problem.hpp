@@ -52,9 +52,11 @@ class FullGraphProblem {
   /// least once; call after factorise().
   Eigen::Matrix2d relative_covariance(int a, int b);
 
-  /// First row in covariances() of a pose (negative if it is fixed) or a calibration.
+  /// First row in covariances() of a pose (negative if it is fixed), a calibration or a receiver's
+  /// error.
   int pose_row(int keyframe) const;
   int calibration_row(int index) const;
+  int receiver_row(int index) const;  ///< negative if no fix has this error
 
  private:
   struct Factor {

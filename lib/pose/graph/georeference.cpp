@@ -34,22 +34,18 @@ constexpr int kRounds = 5;
 /// Fixes within this time share one receiver error [us]; short compared with kReceiverMemory_s.
 constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
 
-/// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
-constexpr double kReceiverStep_s = 2.0;
-
-constexpr std::size_t kStepsMin = 20;
-
-/// A fix farther than this from the path, by its claimed covariance, counts as left out [sigma].
+/// A fix farther than this from the path counts as left out [standard deviations of the receiver].
 constexpr double kLeftOut_sigma = 5.0;
 
-double per_axis(const AbsolutePosition& position) { return 0.5 * position.covariance.trace(); }
+}  // namespace
 
-/// Returns the measured point's position as estimated by the path.
+double per_axis_variance(const AbsolutePosition& position) {
+  return 0.5 * position.covariance.trace();
+}
+
 Eigen::Vector2d p_by_path(const Keyframe& keyframe, const AbsolutePosition& position) {
   return transform(compose(keyframe.T_map_base, position.T_keyframe_then), position.lever_base_m);
 }
-
-}  // namespace
 
 std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double travel_m) {
   std::vector<Eigen::Vector2d> p_graph, p_map;
@@ -68,7 +64,7 @@ std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double 
       }
       p_graph.push_back(p_by_path(*k, *position));
       p_map.push_back(position->p_map);
-      sd_m = std::max(sd_m, std::sqrt(per_axis(*position)));
+      sd_m = std::max(sd_m, std::sqrt(per_axis_variance(*position)));
       reach_m = std::max(reach_m, (p_graph.back() - p_graph.front()).norm());
     }
   }
@@ -99,46 +95,12 @@ void add_position(AbsolutePosition position, SlamGraph& graph) {
     if (errors.empty() || position.utime - errors.back().utime >= kReceiverErrorFor_us) {
       ReceiverError fresh;
       fresh.utime = position.utime;
-      fresh.claimed_variance = per_axis(position);
+      fresh.claimed_variance = per_axis_variance(position);
       errors.push_back(fresh);
     }
     position.receiver_error = static_cast<int>(errors.size()) - 1;
   }
   graph.keyframes.back().positions.push_back(position);
-}
-
-ReceiverModel estimate_receiver_model(const SlamGraph& graph) {
-  ReceiverModel model;
-  if (!graph.georeferenced) return model;
-  std::vector<double> steps2;
-  const AbsolutePosition* before = nullptr;
-  Eigen::Vector2d p_before = Eigen::Vector2d::Zero();
-  for (const Keyframe& k : graph.keyframes) {
-    for (const AbsolutePosition& position : k.positions) {
-      if (position.receiver_error < 0) continue;
-      const Eigen::Vector2d p = p_by_path(k, position);
-      if (before != nullptr &&
-          1e-6 * static_cast<double>(position.utime - before->utime) <= kReceiverStep_s) {
-        const Eigen::Vector2d off_m = (position.p_map - before->p_map) - (p - p_before);
-        steps2.push_back(off_m.squaredNorm() / (per_axis(position) + per_axis(*before)));
-      }
-      before = &position;
-      p_before = p;
-    }
-  }
-  if (steps2.size() < kStepsMin) return model;
-  // For white noise the squared step is exponentially distributed: its median is ln 2 times its
-  // mean.
-  const double shown = geometry::median(steps2) / (2.0 * std::log(2.0));
-  if (shown > 4.0) {
-    model.noise = shown;
-  } else {
-    // The scatter is known to a few tenths only: count as correlated only what exceeds twice its
-    // variance.
-    model.correlated = std::max(0.0, 1.0 - 2.0 * shown);
-    model.noise = 1.0 - model.correlated;
-  }
-  return model;
 }
 
 RejectedFixes rejected_fixes(const SlamGraph& graph) {
@@ -150,7 +112,8 @@ RejectedFixes rejected_fixes(const SlamGraph& graph) {
       if (position.receiver_error < 0) continue;
       ++all.num_fixes;
       const Eigen::Vector2d off_m = position.p_map - p_by_path(k, position);
-      const double variance = std::max(1.0, graph.receiver.noise) * per_axis(position);
+      const double error = graph.receiver.noise + graph.receiver.correlated;
+      const double variance = std::max(1.0, error) * per_axis_variance(position);
       const bool contradicts = off_m.squaredNorm() > square(kLeftOut_sigma) * variance;
       if (!position.is_displaced) all.newest_contradicts = contradicts;
       if (!contradicts && !position.is_displaced) {

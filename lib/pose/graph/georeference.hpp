@@ -22,10 +22,11 @@ void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph);
 /// Adds a position to the newest keyframe; assigns the receiver's error of its time to one by GNSS.
 void add_position(AbsolutePosition position, SlamGraph& graph);
 
-/// Splits the receiver's claimed variance into white noise and a time-correlated error, by
-/// comparing the steps between its fixes with the path. White noise as claimed if there are too few
-/// steps.
-ReceiverModel estimate_receiver_model(const SlamGraph& graph);
+/// Returns the claimed variance of a position per axis [m2].
+double per_axis_variance(const AbsolutePosition& position);
+
+/// Returns the measured point's position in map as estimated by the path [m].
+Eigen::Vector2d p_by_path(const Keyframe& keyframe, const AbsolutePosition& position);
 
 /// Statistics of the GNSS fixes that contradict the solved path.
 struct RejectedFixes {

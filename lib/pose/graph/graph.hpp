@@ -37,8 +37,10 @@ struct ReceiverError {
 
 /// Composition of a receiver's errors, relative to its claimed variance.
 struct ReceiverModel {
-  double correlated = 0.0;  ///< variance of the time-correlated error
-  double noise = 1.0;       ///< variance of the white noise of each fix
+  double correlated = 0.0;                  ///< variance of the time-correlated error
+  double noise = 1.0;                       ///< variance of the white noise of each fix
+  double claimed_correlated = 0.0;          ///< `correlated` if the claimed variance is true
+  std::optional<double> learnt_correlated;  ///< the same by the last whole solve
 };
 
 /// A pose of the robot in the graph, with its measurements.

@@ -14,6 +14,7 @@
 #include "pose/graph/full_graph_problem.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph_problem.hpp"
+#include "pose/graph/receiver_model.hpp"
 #include "pose/graph/selected_inverse.hpp"
 
 namespace orchard::pose {
@@ -197,8 +198,24 @@ void learn_walk(const FullGraphProblem& problem, const SelectedInverse& P, const
   graph.calibration_walk_sd = learnt_walk_sd(steps, graph.calibration_walk_sd, config);
 }
 
-/// Writes the covariances of the poses and the learnt calibration_walk_sd; returns the covariance
-/// of the newest calibration. None, with nothing written, if the information is singular.
+/// Learns the variance of the receiver's correlated error from the solved graph.
+void learn_receiver(const FullGraphProblem& problem, const SelectedInverse& P, SlamGraph& graph) {
+  std::vector<double> variances(graph.receiver_errors.size(), -1.0);
+  bool is_known = false;
+  for (std::size_t e = 0; e < variances.size(); ++e) {
+    const int row = problem.receiver_row(static_cast<int>(e));
+    if (row < 0) continue;
+    variances[e] = 0.5 * (P.at(row, row) + P.at(row + 1, row + 1));
+    is_known = true;
+  }
+  if (!is_known) return;
+  graph.receiver.learnt_correlated =
+      learnt_receiver_variance(graph, graph.receiver.claimed_correlated, variances);
+}
+
+/// Writes the covariances of the poses, the learnt calibration_walk_sd and receiver; returns the
+/// covariance of the newest calibration. None, with nothing written, if the information is
+/// singular.
 std::optional<Eigen::Matrix3d> write_covariances(FullGraphProblem& problem,
                                                  const SlamConfig& config, SlamGraph& graph) {
   const std::optional<SelectedInverse> P = problem.covariances();
@@ -220,6 +237,7 @@ std::optional<Eigen::Matrix3d> write_covariances(FullGraphProblem& problem,
     if (joint.allFinite()) set_joint_covariance(joint, graph.keyframes[k]);
   }
   learn_walk(problem, *P, config, graph);
+  learn_receiver(problem, *P, graph);
   const int newest = problem.calibration_row(static_cast<int>(graph.calibrations.size()) - 1);
   return block(newest, newest);
 }

@@ -132,6 +132,7 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   out.graph.calibration_walk_sd = graph.calibration_walk_sd;
   out.graph.georeferenced = graph.georeferenced;
   out.graph.receiver_errors = graph.receiver_errors;
+  out.graph.receiver = graph.receiver;
   out.graph.landmarks.resize(graph.landmarks.size());
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     out.graph.landmarks[l].p_map = graph.landmarks[l].p_map;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pose/graph/georeference.hpp"
+#include "pose/graph/receiver_model.hpp"
 #include "pose/graph/solver.hpp"
 #include "simulation/random.hpp"
 
@@ -20,6 +21,7 @@ struct Fixes {
   double white_m = 0.0;
   double lasting_m = 0.0;
   double reflected_from_s = -1.0;  ///< for 8 s, 12 m to the north
+  double claimed_m = kClaimed_m;
 };
 
 /// A keyframe and five fixes a second; the true path is the map's x axis.
@@ -45,7 +47,7 @@ SlamGraph drive(const Fixes& fixes, std::uint64_t seed, double duration_s = 120.
       AbsolutePosition position;
       position.utime = static_cast<std::int64_t>(1e6 * time_s);
       position.T_keyframe_then = {0.2 * i * kSpeed_mps, 0.0, 0.0};
-      position.covariance = kClaimed_m * kClaimed_m * Eigen::Matrix2d::Identity();
+      position.covariance = fixes.claimed_m * fixes.claimed_m * Eigen::Matrix2d::Identity();
       position.is_gnss = true;
       const double east_m = random.normal(), north_m = random.normal();
       position.p_map = Eigen::Vector2d(kSpeed_mps * time_s, 0.0) + lasting_m +
@@ -94,6 +96,25 @@ TEST(Receiver, ABurstIsNotSoManyFixesOfItsOwn) {
   EXPECT_LT(nees, 4.0);
   EXPECT_GT(nees_white, 1.0);
   EXPECT_LT(nees_white, 4.0);
+}
+
+TEST(Receiver, TheDriveShowsTheSlowErrorWhateverIsClaimed) {
+  constexpr int kRuns = 5;
+  constexpr double kSlow_m = 1.7;
+  for (const double claimed_m : {0.3, 1.7, 5.0}) {
+    double ratio = 0.0;
+    for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+      SlamGraph graph = drive({0.3, kSlow_m, -1.0, claimed_m}, seed, 900.0);
+      for (int i = 0; i < 6; ++i) ASSERT_TRUE(solve_graph(graph, false, SlamConfig{}).solved);
+      ratio += *graph.receiver.learnt_correlated * claimed_m * claimed_m / (kSlow_m * kSlow_m);
+    }
+    // Fifteen minutes hold some 60 independent errors of two axes; the path is not quite stiff.
+    EXPECT_GT(ratio / kRuns, 0.6) << claimed_m;
+    EXPECT_LT(ratio / kRuns, 1.5) << claimed_m;
+  }
+  SlamGraph white = drive({0.3, 0.0, -1.0, 0.3}, 1, 300.0);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(solve_graph(white, false, SlamConfig{}).solved);
+  EXPECT_LT(std::sqrt(*white.receiver.learnt_correlated) * 0.3, 0.06);
 }
 
 TEST(Receiver, ReflectionsAreLeftOutAndSaid) {

@@ -44,6 +44,9 @@ constexpr double kLogWeightMin = -14.0;
 /// Hypotheses whose poses differ by less are one [squared standard deviations].
 constexpr double kSame2 = 0.1;
 
+/// Headings of a split: half a slot is a standard deviation that linearises well.
+constexpr int kHeadings = 8;
+
 enum class Event { kGoesOn, kBegins, kEnds, kMoves };
 
 struct Branch {
@@ -101,6 +104,39 @@ void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d&
   displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
   displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
   all_.push_back(std::move(displaced));
+}
+
+void FixHypotheses::split_unknown_headings(double variance) {
+  constexpr double kSlot_rad = 2.0 * geometry::kPi / kHeadings;
+  constexpr double kUniform = geometry::kPi * geometry::kPi / 3.0;
+  std::vector<Hypothesis> next;
+  for (Hypothesis& h : all_) {
+    const bool is_unknown = h.filter.decorrelate_unknown_heading(variance);
+    const double yaw_rad = h.filter.mean().z(), yaw_variance = h.filter.covariance()(2, 2);
+    if (!is_unknown || yaw_variance <= geometry::square(kSlot_rad)) {
+      next.push_back(std::move(h));
+      continue;
+    }
+    // The mean first: of equals it is the likeliest.
+    std::vector<double> offs_rad, log_densities;
+    double sum = 0.0;
+    for (int i = 0; i < kHeadings; ++i) {
+      offs_rad.push_back(kSlot_rad * (i % 2 == 0 ? -(i / 2) : i / 2 + 1));
+      log_densities.push_back(
+          yaw_variance < kUniform ? -0.5 * geometry::square(offs_rad.back()) / yaw_variance : 0.0);
+      sum += std::exp(log_densities.back());
+    }
+    for (std::size_t i = 0; i < offs_rad.size(); ++i) {
+      Hypothesis heading = h;
+      heading.filter.set_heading(yaw_rad + offs_rad[i], geometry::square(0.5 * kSlot_rad));
+      heading.log_weight += log_densities[i] - std::log(sum);
+      next.push_back(std::move(heading));
+    }
+  }
+  std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.log_weight > b.log_weight;
+  });
+  all_ = std::move(next);
 }
 
 void FixHypotheses::correct(const PositionObservation& observation, std::int64_t utime) {

@@ -23,7 +23,8 @@ struct DisplacedTime {
 /// With each position every history branches, and the likeliest are kept, so that later positions
 /// decide about earlier ones. A further, unlikely branch is that the robot was moved or its wheels
 /// slipped beyond what the filter models. Source: Ackerson and Fu 1970, On state estimation in
-/// switching environments.
+/// switching environments. A heading that a gap made unknown is a sum of Gaussians, one hypothesis
+/// each. Source: Alspach and Sorenson 1972, Nonlinear Bayesian estimation using Gaussian sums.
 class FixHypotheses {
  public:
   struct Hypothesis {
@@ -52,6 +53,10 @@ class FixHypotheses {
 
   /// Drops all but the likeliest.
   void keep_best();
+
+  /// Splits hypotheses whose heading is too uncertain to linearise, for fixes of this variance
+  /// [m2], into several headings. Call before correct().
+  void split_unknown_headings(double variance);
 
   void correct(const PositionObservation& observation, std::int64_t utime);
 

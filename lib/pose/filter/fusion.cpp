@@ -169,9 +169,7 @@ void Fusion::use_position(const PositionObservation& observation) {
   }
   const double claimed =
       observation.covariance.diagonal().maxCoeff() + filter().receiver_variance();
-  for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
-    h.filter.decorrelate_unknown_heading(claimed);
-  }
+  hypotheses_.split_unknown_headings(claimed);
   hypotheses_.correct(observation, *utime_);
   if (!is_displaced()) return;
   const DisplacedTime& displaced = hypotheses_.best().displaced.back();

@@ -163,15 +163,21 @@ void FusionFilter::set_smoothed_pose(const Eigen::Vector3d& x_y_yaw,
   covariance_.block<2, 1>(kReceiverEast, kYaw) = -covariance.block<2, 1>(0, 2);
 }
 
-void FusionFilter::decorrelate_unknown_heading(double variance) {
+bool FusionFilter::decorrelate_unknown_heading(double variance) {
   const double bent2 = bent_variance(covariance_.block<2, 1>(kX, kYaw));
-  if (bent2 <= variance) return;
+  if (bent2 <= variance) return false;
   covariance_.topLeftCorner<2, 2>() += bent2 * Eigen::Matrix2d::Identity();
   const double yaw_variance =
       std::min(covariance_(kYaw, kYaw), geometry::square(geometry::kPi) / 3.0);
   covariance_.row(kYaw).setZero();
   covariance_.col(kYaw).setZero();
   covariance_(kYaw, kYaw) = yaw_variance;
+  return true;
+}
+
+void FusionFilter::set_heading(double yaw_rad, double variance) {
+  mean_(kYaw) = geometry::wrap_angle_rad(yaw_rad);
+  covariance_(kYaw, kYaw) = variance;
 }
 
 void FusionFilter::restart(int first, double variance) {

@@ -91,7 +91,11 @@ class FusionFilter {
 
   /// Decorrelates the heading from the position if linearising the heading errs by more than this
   /// variance of a fix [m2]: the positions then lie on an arc, which a Gaussian cannot represent.
-  void decorrelate_unknown_heading(double variance);
+  /// Returns true if it did.
+  bool decorrelate_unknown_heading(double variance);
+
+  /// Sets the heading, which must be uncorrelated.
+  void set_heading(double yaw_rad, double variance);
 
   /// Returns the squared Mahalanobis distance of the innovation; 2 degrees of freedom.
   double mahalanobis2(const PositionObservation& observation) const;

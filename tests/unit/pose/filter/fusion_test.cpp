@@ -299,8 +299,10 @@ TEST(Fusion, TenSecondsWithoutWheelsAreNamedAndGotOver) {
   errors.has_odometry = [](double time_s) { return time_s < 100.0 || time_s > 110.0; };
   const Outcome r = run(config_of(), errors, 6);
   EXPECT_TRUE(r.warned("no ODOMETRY"));
-  EXPECT_LT(r.worst_within(110.1, 300.0), 1.0);
-  EXPECT_LT(r.worst_within(125.0, 300.0), 0.1);
+  // Without a heading, base may lie on the other side of the antenna (0.47 m), and its motion until
+  // the next fixes is as uncertain.
+  EXPECT_LT(r.worst_within(110.1, 300.0), 1.4);
+  EXPECT_LT(r.worst_within(112.0, 300.0), 0.1);
   EXPECT_NE(r.final_warning.find("silent"), std::string::npos);
 }
 

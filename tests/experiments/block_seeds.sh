@@ -48,7 +48,7 @@ for seed in $(seq "$first" "$last"); do
   "$orchard" evaluate trajectory "$stem" --truth "$stem.poses.csv" --align --json >"$stem.path.json"
   trees=$(number "$stem.map.json" num_trees)
   wrong=$(number "$stem.map.json" object tree)
-  timing=$(awk '/^timing:/ { t[++n] = $4 } END { if (n) printf "%s %s %s", t[1], t[int((n + 1) / 2)], t[n] }' \
+  timing=$(awk '/^timing: scans/ { t[++n] = $4 } END { if (n) printf "%s %s %s", t[1], t[int((n + 1) / 2)], t[n] }' \
     "$stem.txt")
   awk -v seed="$seed" -v trees="$trees" -v rms="$(number "$stem.map.json" rms_m error_trees)" \
     -v raw="$(number "$stem.map.json" rms_m error_trees_unaligned)" \

@@ -12,8 +12,6 @@
 namespace orchard::mapping {
 namespace {
 
-/// Landmarks with this many observations do exist.
-constexpr std::size_t kFlickerObservationsMax = 30;
 /// A longer gap between observations means that the robot left and came back [us].
 constexpr std::int64_t kOutOfSight_us = 20'000'000;
 /// A stalk is thinner than the beam spacing and is hit by two beams at most.
@@ -25,16 +23,26 @@ double distance_from_m(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_
 
 }  // namespace
 
+std::vector<std::int32_t> stalk_observations(const MapState& map, const LandmarkRecord& r) {
+  if (label_of(r, map.config) == detection::Label::kTree) return {};
+  std::vector<std::int32_t> newest =
+      map.observations.newest_of(r.last_observation, kStalkObservationsMax);
+  if (newest.size() == kStalkObservationsMax) return {};
+  const bool is_thin = std::all_of(newest.begin(), newest.end(), [&](std::int32_t k) {
+    const int num_beams = map.observations[k].num_beams;
+    return num_beams > 0 && num_beams <= kStalkBeamsMax;
+  });
+  if (!is_thin) newest.clear();
+  return newest;
+}
+
 bool is_flickering(const MapState& map, const LandmarkRecord& r) {
-  if (label_of(r, map.config) == detection::Label::kTree) return false;
-  const std::vector<std::int32_t> newest =
-      map.observations.newest_of(r.last_observation, kFlickerObservationsMax);
-  if (newest.size() == kFlickerObservationsMax) return false;
+  const std::vector<std::int32_t> newest = stalk_observations(map, r);
+  if (newest.empty()) return false;
   const Eigen::Vector2d p_map = r.association_position();
   double farthest_m = 0.0;
   for (const std::int32_t k : newest) {
     const Observation& o = map.observations[k];
-    if (o.num_beams == 0 || o.num_beams > kStalkBeamsMax) return false;
     farthest_m = std::max(farthest_m, distance_from_m(map.observations.pose(o.scan), p_map));
   }
   double log_odds = static_cast<double>(newest.size()) * log_odds_of_return();

@@ -156,10 +156,10 @@ Obstacles::Obstacles(const std::vector<Landmark>& landmarks)
 
 double Obstacles::clearance_m(const Vector2d& p_map, double reach_m) const {
   double nearest_m = reach_m;
-  for (const std::int32_t i : places_.within(p_map, reach_m + largest_m_)) {
+  places_.near(p_map, reach_m + largest_m_, [&](std::int32_t i) {
     const auto k = static_cast<std::size_t>(i);
     nearest_m = std::min(nearest_m, (places_[k] - p_map).norm() - radius_m_[k]);
-  }
+  });
   return nearest_m;
 }
 
@@ -167,10 +167,10 @@ double Obstacles::clearance_m(const Line& line, double reach_m) const {
   double nearest_m = reach_m;
   for (std::size_t s = 1; s < line.size(); ++s) {
     const double around_m = 0.5 * (line[s] - line[s - 1]).norm() + reach_m + largest_m_;
-    for (const std::int32_t i : places_.within(0.5 * (line[s] + line[s - 1]), around_m)) {
+    places_.near(0.5 * (line[s] + line[s - 1]), around_m, [&](std::int32_t i) {
       const auto k = static_cast<std::size_t>(i);
       nearest_m = std::min(nearest_m, distance_m(places_[k], line[s - 1], line[s]) - radius_m_[k]);
-    }
+    });
   }
   return nearest_m;
 }

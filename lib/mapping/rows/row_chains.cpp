@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -15,6 +15,8 @@ namespace {
 constexpr std::int32_t kNone = -1;
 /// Trees closer than this along a row are in the same slot.
 constexpr double kMinStep_spacings = 0.3;
+/// Max lateral offset of the next tree, in distances of rows.
+constexpr double kBesideMax_row_spacings = 0.35;
 /// Weight of the lateral offset in the cost: the next tree should be straight ahead.
 constexpr double kCostBeside = 3.0;
 
@@ -29,11 +31,9 @@ class Linker {
       : p_map_(p_map),
         spacing_m_(rows.spacing_m),
         directions_(rows.directions),
+        points_(p_map),
         next_(p_map.size(), kNone),
         previous_(p_map.size(), kNone) {
-    for (std::size_t i = 0; i < p_map.size(); ++i) {
-      grid_.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
-    }
     row_spacing_m_ = row_spacing_m();
   }
 
@@ -79,12 +79,12 @@ class Linker {
   /// Median distance to the nearest tree beside, in another row.
   double row_spacing_m() const {
     std::vector<double> beside_m;
-    const double reach_m = 4.0 * spacing_m_;
+    const double reach_m = 4.0 * spacing_m_, along_max_m = 0.6 * spacing_m_;
     for (std::size_t i = 0; i < p_map_.size(); ++i) {
       double nearest_m = reach_m;
-      grid_.near(p_map_[i].x(), p_map_[i].y(), reach_m, [&](std::int32_t j) {
+      points_.near(p_map_[i], std::hypot(reach_m, along_max_m), [&](std::int32_t j) {
         const Step s = step(static_cast<std::int32_t>(i), j);
-        if (std::abs(s.along_m) > 0.6 * spacing_m_) return;
+        if (std::abs(s.along_m) > along_max_m) return;
         if (std::abs(s.beside_m) < 0.4 * spacing_m_) return;
         nearest_m = std::min(nearest_m, std::abs(s.beside_m));
       });
@@ -98,15 +98,17 @@ class Linker {
   std::int32_t best(std::int32_t i, bool ahead, double reach_m) const {
     double least = std::numeric_limits<double>::infinity();
     std::int32_t found = kNone;
-    const Eigen::Vector2d& p = p_map_[index(i)];
-    grid_.near(p.x(), p.y(), reach_m, [&](std::int32_t j) {
+    // Far enough for every candidate, so that the index's cells decide nothing.
+    const double radius_m = std::hypot(reach_m, kBesideMax_row_spacings * row_spacing_m_);
+    points_.near(p_map_[index(i)], radius_m, [&](std::int32_t j) {
       if (j == i || (ahead ? previous_ : next_)[index(j)] != kNone) return;
       if (!in_line(i, j)) return;
       const Step s = step(i, j);
       const double along_m = ahead ? s.along_m : -s.along_m;
       if (along_m < kMinStep_spacings * spacing_m_ || along_m > reach_m) return;
       const double beside_m = std::abs(s.beside_m);
-      if (beside_m > std::min(0.35 * row_spacing_m_, 0.15 * spacing_m_ + 0.15 * along_m)) {
+      if (beside_m >
+          std::min(kBesideMax_row_spacings * row_spacing_m_, 0.15 * spacing_m_ + 0.15 * along_m)) {
         return;
       }
       const double cost = along_m + kCostBeside * beside_m;
@@ -150,14 +152,9 @@ class Linker {
         directions_[i] = linked[i];
         continue;
       }
-      std::vector<std::int32_t> near;
-      const double reach_m = 4.0 * spacing_m_;
-      grid_.near(p_map_[i].x(), p_map_[i].y(), reach_m, [&](std::int32_t j) { near.push_back(j); });
-      std::sort(near.begin(), near.end());  // summation order must not depend on the grid
       Eigen::Vector2d sum(0.0, 0.0);
-      for (const std::int32_t j : near) {
-        const double distance_m = (p_map_[index(j)] - p_map_[i]).norm();
-        if (distance_m <= reach_m) sum += linked[index(j)];
+      for (const std::int32_t j : points_.within(p_map_[i], 4.0 * spacing_m_)) {
+        sum += linked[index(j)];
       }
       if (sum.norm() > 0.5) directions_[i] = sum.normalized();
     }
@@ -173,7 +170,7 @@ class Linker {
   const std::vector<Eigen::Vector2d>& p_map_;
   double spacing_m_ = 0.0;
   std::vector<Eigen::Vector2d> directions_;
-  geometry::PointGrid grid_;
+  IndexedPoints points_;
   std::vector<std::int32_t> next_, previous_;
   double row_spacing_m_ = 0.0;
 };

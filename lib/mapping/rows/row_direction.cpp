@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 
 #include "geometry/angles.hpp"
-#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -27,13 +28,12 @@ struct Neighbours {
   std::vector<std::int32_t> indices;
 };
 
-double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map,
-                          const geometry::PointGrid& grid, std::size_t i) {
+double nearest_distance_m(const IndexedPoints& points, std::size_t i) {
   for (double reach_m = 2.0; reach_m < 600.0; reach_m *= 2.0) {
     double nearest_m = reach_m;
-    grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
+    points.near(points[i], reach_m, [&](std::int32_t j) {
       if (static_cast<std::size_t>(j) == i) return;
-      nearest_m = std::min(nearest_m, (p_map[static_cast<std::size_t>(j)] - p_map[i]).norm());
+      nearest_m = std::min(nearest_m, (points[static_cast<std::size_t>(j)] - points[i]).norm());
     });
     if (nearest_m < reach_m) return nearest_m;
   }
@@ -102,8 +102,19 @@ double peak_rad(const Votes& votes) {
 void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours) {
   const std::vector<Votes> own = belief;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<Votes> next(belief.size());
+    // A tree's new belief waits until the last of its neighbours has used the old one: of trees
+    // sorted by position few wait at a time.
+    std::deque<Votes> waiting;
+    std::size_t first = 0;  ///< of those that wait
+    const auto take_until = [&](std::size_t end, std::size_t used) {
+      for (; first < end; ++first, waiting.pop_front()) {
+        const std::vector<std::int32_t>& of_first = neighbours[first].indices;
+        if (!of_first.empty() && static_cast<std::size_t>(of_first.back()) >= used) return;
+        belief[first] = waiting.front();
+      }
+    };
     for (std::size_t i = 0; i < belief.size(); ++i) {
+      take_until(i, i);
       Votes around = belief[i];
       for (const std::int32_t j : neighbours[i].indices) {
         // The same sums as of a loop, four at a time: most of the work of finding rows.
@@ -112,12 +123,13 @@ void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours
       }
       normalise(around);
       around = blurred(around);
+      Votes& next = waiting.emplace_back();
       for (std::size_t k = 0; k < kNumAngles; ++k) {
-        next[i][k] = (own[i][k] + 1e-4f) * (around[k] + 1e-6f);
+        next[k] = (own[i][k] + 1e-4f) * (around[k] + 1e-6f);
       }
-      normalise(next[i]);
+      normalise(next);
     }
-    belief = std::move(next);
+    take_until(belief.size(), belief.size());
   }
 }
 
@@ -154,30 +166,20 @@ void orient(std::vector<Eigen::Vector2d>& axes) {
 RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   RowDirections result;
   if (p_map.size() < 3) return result;
-  geometry::PointGrid grid;
-  for (std::size_t i = 0; i < p_map.size(); ++i) {
-    grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
-  }
+  const IndexedPoints points(p_map);
   std::vector<double> nearest_m;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
-    nearest_m.push_back(nearest_distance_m(p_map, grid, i));
+    nearest_m.push_back(nearest_distance_m(points, i));
   }
-  result.spacing_m = std::max(0.05, geometry::median(nearest_m));
+  result.spacing_m = std::max(0.05, geometry::median(std::move(nearest_m)));
 
   const double reach_m = kReach_spacings * result.spacing_m;
-  geometry::PointGrid wide_grid(0.5 * reach_m);
-  for (std::size_t i = 0; i < p_map.size(); ++i) {
-    wide_grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
-  }
   std::vector<Neighbours> neighbours(p_map.size());
   std::vector<Votes> belief(p_map.size());
   for (std::size_t i = 0; i < p_map.size(); ++i) {
-    std::vector<std::int32_t>& near = neighbours[i].indices;
-    wide_grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
-      const double distance_m = (p_map[static_cast<std::size_t>(j)] - p_map[i]).norm();
-      if (static_cast<std::size_t>(j) != i && distance_m <= reach_m) near.push_back(j);
-    });
-    std::sort(near.begin(), near.end());  // summation order must not depend on the grid
+    std::vector<std::int32_t> near = points.within(p_map[i], reach_m);
+    near.erase(std::remove(near.begin(), near.end(), static_cast<std::int32_t>(i)), near.end());
+    neighbours[i].indices.assign(near.begin(), near.end());  // without room to grow
     belief[i] = votes_of(p_map, near, i, result.spacing_m);
     normalise(belief[i]);
   }

@@ -144,8 +144,10 @@ void trim_row_ends(const std::vector<Vector2d>& p_map, double spacing_m,
     if (all.size() < kTellingMin) return;
     const double curvature_of_all = curvature(all, 0.0);
     std::vector<double> offs_m;
+    std::vector<double> curvatures;
     for (const std::vector<End>& own : ends) {
-      for (const End& e : own) offs_m.push_back(off_m(e, curvature(own, curvature_of_all)));
+      curvatures.push_back(curvature(own, curvature_of_all));
+      for (const End& e : own) offs_m.push_back(off_m(e, curvatures.back()));
     }
     // Exponential distribution: most trees are on the line, some are far off where poses were poor.
     const double mean_m =
@@ -155,12 +157,11 @@ void trim_row_ends(const std::vector<Vector2d>& p_map, double spacing_m,
         mean_m * std::log(std::max(1.0, kTreeOdds * kLinked_spacings * spacing_m / mean_m));
     for (std::size_t c = 0; c < chains.size(); ++c) {
       RowChain& chain = chains[c];
-      const double row_curvature = curvature(ends[c], curvature_of_all);
       while (chain.size() > kLineTrees &&
-             off_m(end_of(p_map, std::prev(chain.end())), row_curvature) > most_m) {
+             off_m(end_of(p_map, std::prev(chain.end())), curvatures[c]) > most_m) {
         chain.pop_back();
       }
-      if (end == 1) drop_from_middle(p_map, row_curvature, most_m, chain);
+      if (end == 1) drop_from_middle(p_map, curvatures[c], most_m, chain);
       std::reverse(chain.begin(), chain.end());
     }
   }

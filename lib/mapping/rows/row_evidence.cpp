@@ -66,16 +66,35 @@ double orchard_spacing_m(const std::vector<Vector2d>& p_map, const std::vector<R
 /// none for fewer than two.
 std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
                                const RowChain& other) {
+  constexpr std::size_t kRun_segments = 16;
+  constexpr double kRounding_m = 1e-6;
+  std::vector<Eigen::AlignedBox2d> runs;  // boxes around them: a search passes over what is far
+  for (std::size_t k = 1; k < other.size(); ++k) {
+    if ((k - 1) % kRun_segments == 0) runs.emplace_back(at(p_map, other[k - 1]));
+    runs.back().extend(at(p_map, other[k]));
+  }
   std::vector<double> distances_m;
+  std::size_t last = 0;  // the nearest run of the tree before: its distance rules out most others
   for (const std::int32_t i : chain) {
+    const Vector2d& p = at(p_map, i);
     std::optional<double> nearest_m;
-    for (std::size_t k = 1; k < other.size(); ++k) {
-      const Vector2d &a = at(p_map, other[k - 1]), d = at(p_map, other[k]) - a;
-      const double fraction = d.dot(at(p_map, i) - a) / std::max(1e-9, d.squaredNorm());
-      if (fraction < 0.0 || fraction > 1.0) continue;
-      const double distance_m = (a + fraction * d - at(p_map, i)).norm();
-      if (!nearest_m || distance_m < *nearest_m) nearest_m = distance_m;
+    std::size_t nearest_run = last;
+    const auto look_at = [&](std::size_t run) {
+      if (nearest_m && runs[run].exteriorDistance(p) > *nearest_m + kRounding_m) return;
+      const std::size_t begin = 1 + run * kRun_segments;
+      for (std::size_t k = begin; k < std::min(begin + kRun_segments, other.size()); ++k) {
+        const Vector2d &a = at(p_map, other[k - 1]), d = at(p_map, other[k]) - a;
+        const double fraction = d.dot(p - a) / std::max(1e-9, d.squaredNorm());
+        if (fraction < 0.0 || fraction > 1.0) continue;
+        const double distance_m = (a + fraction * d - p).norm();
+        if (!nearest_m || distance_m < *nearest_m) nearest_m = distance_m, nearest_run = run;
+      }
+    };
+    if (last < runs.size()) look_at(last);
+    for (std::size_t run = 0; run < runs.size(); ++run) {
+      if (run != last) look_at(run);
     }
+    last = nearest_run;
     if (nearest_m) distances_m.push_back(*nearest_m);
   }
   if (distances_m.size() < 2) return std::nullopt;

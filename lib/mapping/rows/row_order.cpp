@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/point_grid.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -26,19 +26,16 @@ std::map<std::pair<int, int>, Beside> neighbours_to_the_right(const std::vector<
                                                               const RowDirections& rows,
                                                               const std::vector<int>& chain_of) {
   const double reach_m = 6.0 * rows.spacing_m;
-  geometry::PointGrid grid(0.5 * reach_m);  // 25 cells a search, not 169 of 2 m
-  for (std::size_t i = 0; i < p_map.size(); ++i) {
-    if (chain_of[i] >= 0) grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
-  }
+  const IndexedPoints points(p_map);
   std::map<std::pair<int, int>, Beside> beside;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (chain_of[i] < 0) continue;
     const Vector2d u = rows.directions[i];
     double nearest_m = reach_m;
     int nearest_chain = -1;
-    grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
+    points.near(p_map[i], std::hypot(reach_m, rows.spacing_m), [&](std::int32_t j) {
       const auto k = static_cast<std::size_t>(j);
-      if (chain_of[k] == chain_of[i]) return;
+      if (chain_of[k] < 0 || chain_of[k] == chain_of[i]) return;
       const Vector2d d = p_map[k] - p_map[i];
       const double right_m = u.y() * d.x() - u.x() * d.y();
       if (right_m <= 0.0 || std::abs(u.dot(d)) > rows.spacing_m) return;

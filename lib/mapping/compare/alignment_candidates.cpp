@@ -9,7 +9,8 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/rigid_fit2.hpp"
-#include "geometry/statistics.hpp"
+#include "mapping/compare/alignment_hypothesis.hpp"
+#include "mapping/compare/near_raster.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -39,64 +40,6 @@ struct Anchor {
   Vector2d middle{0.0, 0.0};
   std::vector<std::int32_t> support;
 };
-
-struct Hypothesis {
-  geometry::Pose2 T_a_b;
-  Vector2d middle_a{0.0, 0.0};
-  int num_agreeing = 0;
-  double sum_m2 = 0.0;
-  double sum_width_m = 0.0;  ///< width differences b - a of the inliers
-  double sum_width_m2 = 0.0;
-
-  double place_m2() const { return sum_m2 / num_agreeing; }
-  double width_m2() const {
-    const double mean_m = sum_width_m / num_agreeing;
-    return sum_width_m2 / num_agreeing - mean_m * mean_m;
-  }
-};
-
-/// Log-likelihood ratio of the inlier support against the null hypothesis. The noise is estimated
-/// from the inliers and, while they are few, shrunk towards that of the null hypothesis.
-double agreement(const Hypothesis& h, double null_place_m2, double null_width_m2) {
-  constexpr double kNullPoints = 5.0;
-  const double n = h.num_agreeing;
-  const auto gain = [n](double own, double null) {
-    return 0.5 * n * std::log(null * (n + kNullPoints) / (n * own + kNullPoints * null));
-  };
-  return 2.0 * gain(h.place_m2(), null_place_m2) + gain(h.width_m2(), null_width_m2);
-}
-
-/// Order in which hypotheses are refined: alternately by agreement and by number of inliers, each
-/// hypothesis once.
-std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hypotheses) {
-  std::vector<double> places_m2, widths_m2;
-  for (const Hypothesis& h : hypotheses) {
-    places_m2.push_back(h.place_m2());
-    widths_m2.push_back(h.width_m2());
-  }
-  const double place_m2 = std::max(1e-6, geometry::median(std::move(places_m2)));
-  const double width_m2 = std::max(1e-6, geometry::median(std::move(widths_m2)));
-  std::vector<double> agreements;
-  for (const Hypothesis& h : hypotheses) agreements.push_back(agreement(h, place_m2, width_m2));
-  std::vector<std::size_t> by_agreement(hypotheses.size());
-  std::iota(by_agreement.begin(), by_agreement.end(), std::size_t{0});
-  std::vector<std::size_t> by_number = by_agreement;
-  std::stable_sort(by_agreement.begin(), by_agreement.end(),
-                   [&](std::size_t i, std::size_t j) { return agreements[i] > agreements[j]; });
-  std::stable_sort(by_number.begin(), by_number.end(), [&](std::size_t i, std::size_t j) {
-    return std::make_tuple(-hypotheses[i].num_agreeing, hypotheses[i].sum_m2) <
-           std::make_tuple(-hypotheses[j].num_agreeing, hypotheses[j].sum_m2);
-  });
-  std::vector<std::size_t> order;
-  std::vector<bool> taken(hypotheses.size(), false);
-  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
-    for (const std::size_t i : {by_agreement[k], by_number[k]}) {
-      if (!taken[i]) order.push_back(i);
-      taken[i] = true;
-    }
-  }
-  return order;
-}
 
 /// Positions and widths of the points of a map.
 struct Trunks {
@@ -180,12 +123,29 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   return anchors;
 }
 
+/// A rotation and the two points that it lays on each other, without the angle: most hypotheses
+/// are rejected, and trigonometry would cost more than the look that rejects them.
+struct Laid {
+  Vector2d unit_b_a{1.0, 0.0};  ///< cosine and sine of the rotation of a into b
+  Vector2d middle_a{0.0, 0.0}, middle_b{0.0, 0.0};
+
+  Vector2d in_b(const Vector2d& p_a) const {
+    const Vector2d d = p_a - middle_a;
+    return middle_b + Vector2d(unit_b_a.x() * d.x() - unit_b_a.y() * d.y(),
+                               unit_b_a.y() * d.x() + unit_b_a.x() * d.y());
+  }
+};
+
+Laid laid_on(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1, const Vector2d& b2) {
+  const Vector2d a = a2 - a1, b = b2 - b1;
+  const Vector2d turn(a.dot(b), a.x() * b.y() - a.y() * b.x());
+  return {turn.stableNormalized(), 0.5 * (a1 + a2), 0.5 * (b1 + b2)};
+}
+
 /// Inlier check: whether enough points around the anchor find partners; stops as soon as that is
 /// impossible.
-bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
-                 Hypothesis& hypothesis) {
-  const geometry::Pose2 T_b_a = inverse(hypothesis.T_a_b);
-  const Eigen::Matrix2d R_b_a = rotation(T_b_a);
+bool has_support(const Trunks& a, const Trunks& b, const NearRaster& near_b, const Anchor& anchor,
+                 const Laid& laid, double gate_m, AlignmentHypothesis& hypothesis) {
   const auto num = static_cast<int>(anchor.support.size());
   const int needed = std::max(3, static_cast<int>(std::ceil(kInlierFraction * num)));
   int num_left = num;
@@ -193,7 +153,8 @@ bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, double 
     if (hypothesis.num_agreeing + num_left < needed) return false;
     --num_left;
     const auto of_a = static_cast<std::size_t>(i);
-    const Vector2d p_b = R_b_a * a.places[of_a] + T_b_a.translation_m();
+    const Vector2d p_b = laid.in_b(a.places[of_a]);
+    if (!near_b.may_be_near(p_b)) continue;
     const std::int32_t j = b.places.nearest(p_b, gate_m);
     if (j < 0) continue;
     const auto of_b = static_cast<std::size_t>(j);
@@ -259,7 +220,7 @@ geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
 
 /// Fits outwards from the anchor: distant pairs are correct only once the rotation is accurate.
 AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
-                           const Hypothesis& hypothesis, double gate_m) {
+                           const AlignmentHypothesis& hypothesis, double gate_m) {
   AlignmentCandidate candidate{hypothesis.T_a_b, {}};
   double radius_m = 0.6 * kBaseline_m;
   double farthest_m = 0.0;
@@ -301,12 +262,13 @@ class Agreement {
  public:
   Agreement(double gate_m, double spacing_m) : gate_m_(gate_m), spacing_m_(spacing_m) {}
 
-  void add(const Anchor& anchor, const std::vector<Hypothesis>& hypotheses, std::size_t begin) {
-    const Hypothesis* best = nullptr;
+  void add(const Anchor& anchor, const std::vector<AlignmentHypothesis>& hypotheses,
+           std::size_t begin) {
+    const AlignmentHypothesis* best = nullptr;
     double best_score = 0.0;
     const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a uniform disc
     for (std::size_t k = begin; k < hypotheses.size(); ++k) {
-      const Hypothesis& h = hypotheses[k];
+      const AlignmentHypothesis& h = hypotheses[k];
       constexpr double kNullWidth_m2 = 0.04 * 0.04;
       const double score = agreement(h, null_place_m2, kNullWidth_m2);
       if (best != nullptr && score <= best_score) continue;
@@ -358,30 +320,37 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
   const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
-  std::vector<Hypothesis> hypotheses;
+  const NearRaster near_b(b.points(), search.gate_m);
+  std::vector<AlignmentHypothesis> hypotheses;
   Agreement of_anchors(search.gate_m, spacing_m);
   for (const Anchor& anchor : anchors_of(a, kNumAnchors)) {
     if (found.num_tried > kNumTriedLong && of_anchors.is_reached(kNumAgreeing)) break;
     const std::size_t num_before = hypotheses.size();
     for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
-      Hypothesis h;
-      h.middle_a = anchor.middle;
-      h.T_a_b = geometry::pose_from_two_pairs(a[anchor.first], a[anchor.second],
-                                              b[static_cast<std::size_t>(i)],
-                                              b[static_cast<std::size_t>(j)]);
-      if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
+      const Vector2d &a1 = a[anchor.first], &a2 = a[anchor.second];
+      const Vector2d &b1 = b[static_cast<std::size_t>(i)], &b2 = b[static_cast<std::size_t>(j)];
+      const auto pose = [&] { return geometry::pose_from_two_pairs(a1, a2, b1, b2); };
+      if (!search.any_place && !is_allowed(pose(), anchor.middle, search)) return;
       found.num_tried += 1.0;
-      if (has_support({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
-        hypotheses.push_back(h);
+      AlignmentHypothesis h;
+      if (!has_support({a, width_of_a_m}, {b, width_of_b_m}, near_b, anchor,
+                       laid_on(a1, a2, b1, b2), search.gate_m, h)) {
+        return;
+      }
+      h.middle_a = anchor.middle;
+      h.T_a_b = pose();
+      hypotheses.push_back(h);
     });
     of_anchors.add(anchor, hypotheses, num_before);
   }
   const std::size_t num_candidates_max = std::clamp(kNumPairingsMax / std::max(a.size(), b.size()),
                                                     kNumCandidatesMin, kNumCandidatesMax);
   std::vector<geometry::Pose2> refined_from;  // hypotheses close to these are not refined
-  for (const std::size_t k : most_promising_first(hypotheses)) {
-    const Hypothesis& h = hypotheses[k];
-    if (found.candidates.size() >= num_candidates_max) break;
+  MostPromising order(hypotheses);
+  while (found.candidates.size() < num_candidates_max) {
+    const std::optional<std::size_t> k = order.next();
+    if (!k) break;
+    const AlignmentHypothesis& h = hypotheses[*k];
     const auto known = [&](const AlignmentCandidate& candidate) {
       return is_same(h.T_a_b, candidate.T_a_b, h.middle_a, spacing_m);
     };

@@ -28,9 +28,9 @@ IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(p
   }
   // Limit the number of cells, however large the area is.
   const double num_cells_max = 8.0 * static_cast<double>(points_.size()) + 1024.0;
-  const auto num_along = [this](double way_m) { return std::floor(way_m / cell_m_) + 1.0; };
+  const auto num_along = [this](double way_m) { return std::floor(way_m * cells_per_m_) + 1.0; };
   const Vector2d way_m = far - corner_;
-  while (num_along(way_m.x()) * num_along(way_m.y()) > num_cells_max) cell_m_ *= 2.0;
+  while (num_along(way_m.x()) * num_along(way_m.y()) > num_cells_max) cells_per_m_ *= 0.5;
   num_columns_ = static_cast<std::size_t>(num_along(way_m.x()));
   num_lines_ = static_cast<std::size_t>(num_along(way_m.y()));
   const auto cell_of = [this](const Vector2d& p) {
@@ -41,17 +41,22 @@ IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(p
   for (std::size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
   by_cell_.resize(points_.size());
+  points_by_cell_.resize(points_.size());
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    by_cell_[next[cell_of(points_[i])]++] = static_cast<std::int32_t>(i);
+    const std::uint32_t k = next[cell_of(points_[i])]++;
+    by_cell_[k] = static_cast<std::int32_t>(i);
+    points_by_cell_[k] = points_[i];
   }
 }
 
 std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
   std::int32_t best = -1;
   double best_m2 = radius_m * radius_m;
-  near(p, radius_m, [&](std::int32_t i) {
-    const double d_m2 = (points_[static_cast<std::size_t>(i)] - p).squaredNorm();
-    if (d_m2 < best_m2 || (d_m2 == best_m2 && (best < 0 || i < best))) {
+  visit_cells(p, radius_m, [&](std::uint32_t k) {
+    const double d_m2 = (points_by_cell_[k] - p).squaredNorm();
+    if (d_m2 > best_m2) return;
+    const std::int32_t i = by_cell_[k];
+    if (d_m2 < best_m2 || best < 0 || i < best) {
       best = i;
       best_m2 = d_m2;
     }
@@ -61,8 +66,8 @@ std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
 
 std::vector<std::int32_t> IndexedPoints::within(const Vector2d& p, double radius_m) const {
   std::vector<std::int32_t> found;
-  near(p, radius_m, [&](std::int32_t i) {
-    if ((points_[static_cast<std::size_t>(i)] - p).norm() <= radius_m) found.push_back(i);
+  visit_cells(p, radius_m, [&](std::uint32_t k) {
+    if ((points_by_cell_[k] - p).norm() <= radius_m) found.push_back(by_cell_[k]);
   });
   std::sort(found.begin(), found.end());
   return found;

@@ -8,10 +8,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <memory>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "view/page.hpp"
+#include "viewer/packed_text.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -22,6 +25,7 @@ constexpr int kThreads = PageServer::kStreamsMax + 12;
 constexpr int kNextPorts = 20;
 constexpr char kEditPath[] = "/api/edit";
 constexpr std::size_t kEditMax_bytes = 16384;
+constexpr std::size_t kPackedMin_bytes = 1400;  ///< less fits into one packet as it is
 constexpr std::size_t kParametersMax = 8, kParameterMax_bytes = 100;
 
 /// Send buffer in the kernel for a slow client [bytes].
@@ -65,6 +69,27 @@ PageContent::Parameters parameters_of(const httplib::Request& request) {
   return parameters;
 }
 
+/// Sends a text packed by gzip to who takes it. The library alone would pack it by Brotli, as small
+/// as that can: seconds of a core for a page or a tile.
+void send(const httplib::Request& request, std::string text, const std::string& type,
+          httplib::Response& response) {
+  if (text.empty()) return response.set_content(text, type);
+  const bool is_text = type.rfind("text/", 0) == 0 || type == "application/json";
+  std::string packed;
+  if (is_text && text.size() >= kPackedMin_bytes &&
+      accepts_gzip(request.get_header_value("Accept-Encoding"))) {
+    packed = gzip(text);
+  }
+  if (!packed.empty()) response.set_header("Content-Encoding", "gzip");
+  if (is_text) response.set_header("Vary", "Accept-Encoding");
+  const auto body = std::make_shared<const std::string>(std::move(packed.empty() ? text : packed));
+  // A text of known length from a provider is sent as it is.
+  response.set_content_provider(body->size(), type.c_str(),
+                                [body](std::size_t at, std::size_t num, httplib::DataSink& sink) {
+                                  return sink.write(body->data() + at, num);
+                                });
+}
+
 }  // namespace
 
 struct PageServer::Impl {
@@ -75,7 +100,8 @@ struct PageServer::Impl {
   httplib::Server::HandlerResponse admit(const httplib::Request& request,
                                          httplib::Response& response) const;
   void stream(const httplib::Request& request, httplib::Response& response);
-  void answer(const std::optional<PageAnswer>& answer, httplib::Response& response) const;
+  void answer(const httplib::Request& request, const std::optional<PageAnswer>& answer,
+              httplib::Response& response) const;
 
   PageContent& content;
   PageServerOptions options;
@@ -123,7 +149,8 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
   return Handled::Unhandled;
 }
 
-void PageServer::Impl::answer(const std::optional<PageAnswer>& answer,
+void PageServer::Impl::answer(const httplib::Request& request,
+                              const std::optional<PageAnswer>& answer,
                               httplib::Response& response) const {
   response.set_header("Cache-Control", "no-store");
   if (!answer) {
@@ -131,7 +158,7 @@ void PageServer::Impl::answer(const std::optional<PageAnswer>& answer,
     return;
   }
   response.status = answer->status;
-  response.set_content(answer->body, answer->type);
+  send(request, answer->body, answer->type, response);
 }
 
 void PageServer::Impl::stream(const httplib::Request& request, httplib::Response& response) {
@@ -192,20 +219,20 @@ void PageServer::Impl::set_up() {
                               {"Cross-Origin-Resource-Policy", "same-origin"}});
   server.set_pre_routing_handler(
       [this](const auto& request, auto& response) { return admit(request, response); });
-  server.Get("/", [this](const httplib::Request&, httplib::Response& response) {
+  server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
     response.set_header("Content-Security-Policy",
                         view::page_policy(view::PageSource::kServer) + "; frame-ancestors 'none'");
-    response.set_content(content.page(), "text/html; charset=utf-8");
+    send(request, content.page(), "text/html; charset=utf-8", response);
   });
   server.Get("/api/stream", [this](const httplib::Request& request, httplib::Response& response) {
     stream(request, response);
   });
   server.Get(R"(/api/([a-z]{1,16}))",
              [this](const httplib::Request& request, httplib::Response& response) {
-               answer(content.get(request.matches[1], parameters_of(request)), response);
+               answer(request, content.get(request.matches[1], parameters_of(request)), response);
              });
   server.Post(kEditPath, [this](const httplib::Request& request, httplib::Response& response) {
-    answer(content.edit(request.body), response);
+    answer(request, content.edit(request.body), response);
   });
 }
 

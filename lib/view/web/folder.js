@@ -10,6 +10,7 @@ class FolderStream {
   take(event) {
     const { app } = this;
     if (event.kind === "hello" && event.boot !== app.data.boot) location.reload(); // another server's map
+    else if (event.kind === "overview" && event.tiles.stamp === app.tiles.stamp) return; // the page began with it
     else if (event.kind === "overview") app.tiles.renew(event);
     else if (event.kind === "map" && app.tiles) return; // the overview follows
     else if (event.kind === "map") takeLandmarks(app.model, event);

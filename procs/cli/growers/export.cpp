@@ -86,9 +86,8 @@ int run_export(const ExportOptions& options) {
   const io::GeoFormatInfo& format = format_named(options.format);
   require_place(options, format);
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
-  const io::MapFolderContent content = content_of(map.mapped);
   const mapping::NavigationGraph graph =
-      mapping::navigation_graph(map.corrected.landmarks, map.rows, content.seen_free);
+      mapping::navigation_graph(map.corrected.landmarks, map.rows, seen_free_of(map.mapped));
   io::MapLayers layers;
   layers.landmarks = &map.corrected.landmarks;
   for (const auto& trajectory : map.mapped.trajectories) layers.trajectories.push_back(&trajectory);

@@ -8,20 +8,29 @@
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::cli {
-namespace {
 
-mapping::FreeSpaceTest beside_paths(
-    const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
+mapping::FreeSpaceTest seen_free_of(const io::StoredMap& map) {
   constexpr double kBeside_m = 1.0;
+  if (map.trajectories.empty()) return {};
   std::vector<Eigen::Vector2d> path;
-  for (const auto& trajectory : trajectories) {
+  for (const auto& trajectory : map.trajectories) {
     for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
   }
   const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
   return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
 }
 
-}  // namespace
+io::MapSummary summary_of(const io::StoredMap& map) {
+  io::MapSummary summary;
+  summary.version = ORCHARD_VERSION;
+  if (map.trajectories.empty()) return summary;
+  summary.first_utime = map.trajectories.front().front().utime;
+  for (const auto& trajectory : map.trajectories) {
+    summary.first_utime = std::min(summary.first_utime, trajectory.front().utime);
+    summary.last_utime = std::max(summary.last_utime, trajectory.back().utime);
+  }
+  return summary;
+}
 
 io::MapFolderContent content_of(const io::StoredMap& map) {
   io::MapFolderContent content;
@@ -29,16 +38,11 @@ io::MapFolderContent content_of(const io::StoredMap& map) {
   content.next_id = map.next_id;
   content.georeference = map.georeference;
   content.view = map.view;
-  content.summary.version = ORCHARD_VERSION;
+  content.summary = summary_of(map);
+  content.seen_free = seen_free_of(map);
   if (map.trajectories.empty()) return content;
   content.trajectory = map.trajectories.front();
   content.more_trajectories.assign(map.trajectories.begin() + 1, map.trajectories.end());
-  content.summary.first_utime = content.trajectory.front().utime;
-  for (const auto& trajectory : map.trajectories) {
-    content.summary.first_utime = std::min(content.summary.first_utime, trajectory.front().utime);
-    content.summary.last_utime = std::max(content.summary.last_utime, trajectory.back().utime);
-  }
-  content.seen_free = beside_paths(map.trajectories);
   return content;
 }
 

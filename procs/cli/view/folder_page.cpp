@@ -11,6 +11,7 @@
 #include "cli/maps/stored_content.hpp"
 #include "io/file_error.hpp"
 #include "io/map/album_files.hpp"
+#include "io/map/corrections_file.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/printable_text.hpp"
 #include "text/whole_number.hpp"
@@ -44,7 +45,7 @@ FolderPage::FolderPage(const std::string& folder, bool can_edit)
     }
   }
   editor_.if_changed();  // before reading, so that later changes are noticed
-  auto corrections = io::read_corrected_map(folder).corrections;
+  std::vector<mapping::Correction> corrections = io::read_corrections(folder).list;
   show(io::corrected_map_of(std::move(mapped), std::move(corrections)));
 }
 
@@ -54,12 +55,12 @@ std::shared_ptr<const FolderPage::Shown> FolderPage::shown() const {
 }
 
 void FolderPage::show(io::CorrectedMapFolder map) {
-  io::MapFolderContent content = content_of(map.mapped);
   mapping::NavigationGraph graph =
-      mapping::navigation_graph(map.corrected.landmarks, map.rows, content.seen_free);
+      mapping::navigation_graph(map.corrected.landmarks, map.rows, seen_free_of(map.mapped));
   std::string corrections = procs::corrections_event(map);
+  io::MapSummary summary = summary_of(map.mapped);
   const auto now =
-      std::make_shared<Shown>(Shown{std::move(map), std::move(content.summary), std::move(graph)});
+      std::make_shared<Shown>(Shown{std::move(map), std::move(summary), std::move(graph)});
   if (now->map.corrected.landmarks.size() > view::kWholePage_landmarks) {
     now->tiles.emplace(page_data(*now));
   }

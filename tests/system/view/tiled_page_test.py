@@ -5,6 +5,7 @@ with an overview, loads what is in view, and finds, steps to and shows every tre
 pictures of what the browser showed."""
 
 import csv
+import gzip
 import os
 import random
 import subprocess
@@ -126,6 +127,15 @@ def check_page(page, url, trees, pictures):
     return page.requests()
 
 
+def check_packing(served):
+    """Who takes gzip gets that, though it takes others: the library would pack by Brotli, which takes seconds."""
+    plain = served.ask("/api/tile?name=0_0")[1]
+    packed = served.ask("/api/tile?name=0_0", headers={"Accept-Encoding": "gzip, deflate, br, zstd"})[1]
+    assert len(packed) < len(plain) / 3 and gzip.decompress(packed) == plain, (len(packed), len(plain))
+    for refusing in ("br", "gzip;q=0, br", ""):
+        assert served.ask("/api/tile?name=0_0", headers={"Accept-Encoding": refusing})[1] == plain, refusing
+
+
 def check_correction(page, bin_folder, folder, tree):
     """A tree that somebody deletes meanwhile goes from the page."""
     go_to(page, tree)
@@ -156,6 +166,7 @@ def main():
             assert all(each.startswith(served.url) for each in requests), requests
             print(f"ok: from a server, {len(requests)} requests")
             assert served.ask("/api/tile?name=../../etc/passwd")[0] == 404
+            check_packing(served)
             check_correction(page, bin_folder, folder + "/whole", trees[5000])
             print("ok: a correction")
 

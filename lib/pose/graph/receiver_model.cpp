@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/graph/receiver_model.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +23,9 @@ constexpr std::size_t kStepsMin = 20;
 
 /// Weight of the claimed variance, in independent fixes.
 constexpr double kClaimWeight = 1.0;
+
+/// A larger error is reported, in claimed standard deviations.
+constexpr double kWorthSaying = 2.0;
 
 /// Mean distance of the fixes that share one correlated error from the path.
 struct MeanDistance {
@@ -96,6 +100,16 @@ double learnt_receiver_variance(const SlamGraph& graph, double claimed,
     before = &now;
   }
   return std::max(0.0, sum / weights);
+}
+
+std::string receiver_text(const SlamGraph& graph) {
+  const double shown = graph.receiver.noise + graph.receiver.learnt_correlated.value_or(0.0);
+  if (graph.receiver_errors.empty() || shown <= square(kWorthSaying)) return {};
+  const double claimed_m = std::sqrt(graph.receiver_errors.back().claimed_variance);
+  return fmt::format(
+      "GNSS errs by {:.2f} m per axis, more than the {:.2f} m that it states: it "
+      "got less weight",
+      std::sqrt(shown) * claimed_m, claimed_m);
 }
 
 }  // namespace orchard::pose

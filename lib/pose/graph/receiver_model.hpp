@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "pose/graph/graph.hpp"
@@ -22,5 +22,9 @@ ReceiverModel estimate_receiver_model(const SlamGraph& graph);
 /// (Dempster, Laird, Rubin 1977), with the weights of the solver's robust loss.
 double learnt_receiver_variance(const SlamGraph& graph, double claimed,
                                 const std::vector<double>& variances);
+
+/// Returns a warning for the user if the drive shows more than twice the standard deviation that
+/// the receiver claims; else empty.
+std::string receiver_text(const SlamGraph& graph);
 
 }  // namespace orchard::pose

@@ -5,6 +5,9 @@
 #include <utility>
 #include <variant>
 
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/receiver_model.hpp"
+
 namespace orchard::pose {
 
 SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
@@ -45,14 +48,16 @@ void SlamLocaliser::add(const Measurement& measurement) {
 
 void SlamLocaliser::finish() {
   slam_.finish();
-  left_out_ = rejected_fixes(slam_.graph());
+  at_end_ = {rejected_fixes_text(rejected_fixes(slam_.graph())), receiver_text(slam_.graph())};
 }
 
 std::string SlamLocaliser::warning() const {
   std::string all = slam_.warning();
-  const std::string left_out = rejected_fixes_text(left_out_);
-  if (!all.empty() && !left_out.empty()) all += "; ";
-  return all + left_out;
+  for (const std::string& text : at_end_) {
+    if (!all.empty() && !text.empty()) all += "; ";
+    all += text;
+  }
+  return all;
 }
 
 void SlamLocaliser::add(const PoseFix& fix) {

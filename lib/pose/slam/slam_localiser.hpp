@@ -3,9 +3,10 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "pose/filter/gnss_positions.hpp"
-#include "pose/graph/georeference.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
@@ -42,7 +43,7 @@ class SlamLocaliser : public Localiser {
   std::optional<laser::Scan> scan_;  ///< newest scan
   std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
-  RejectedFixes left_out_;  ///< set by finish()
+  std::vector<std::string> at_end_;  ///< what the fixes showed, for warning(); set by finish()
 };
 
 }  // namespace orchard::pose

@@ -106,6 +106,7 @@ TEST(Receiver, TheDriveShowsTheSlowErrorWhateverIsClaimed) {
     for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
       SlamGraph graph = drive({0.3, kSlow_m, -1.0, claimed_m}, seed, 900.0);
       for (int i = 0; i < 6; ++i) ASSERT_TRUE(solve_graph(graph, false, SlamConfig{}).solved);
+      EXPECT_EQ(receiver_text(graph).empty(), claimed_m > 1.0);
       ratio += *graph.receiver.learnt_correlated * claimed_m * claimed_m / (kSlow_m * kSlow_m);
     }
     // Fifteen minutes hold some 60 independent errors of two axes; the path is not quite stiff.

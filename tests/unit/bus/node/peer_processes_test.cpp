@@ -31,8 +31,8 @@ TEST(PeerProcesses, NamesASecondOfItsNameAndForgetsIt) {
   EXPECT_TRUE(mine.note(status_of("orchard-mapper", "laptop:1", 3), kWall, Time()));
   EXPECT_FALSE(mine.note(status_of("orchard-mapper", "laptop:1", 4), kWall, Time())) << "known";
   EXPECT_EQ(mine.duplicate(Time()), "orchard-mapper on laptop:1");
-  EXPECT_TRUE(mine.twin_is_older(3, Time()));
-  EXPECT_FALSE(mine.twin_is_older(5, Time()));
+  EXPECT_TRUE(mine.duplicate_is_older(3, Time()));
+  EXPECT_FALSE(mine.duplicate_is_older(5, Time()));
   EXPECT_TRUE(mine.duplicate(Time() + seconds(4)).empty());
 }
 
@@ -41,7 +41,7 @@ TEST(PeerProcesses, OfTwoThatBeginTogetherExactlyOneIsOlder) {
   PeerProcesses b("orchard-mapper", "robot:2", 7);
   a.note(status_of("orchard-mapper", "robot:2", 1), kWall, Time());
   b.note(status_of("orchard-mapper", "robot:1", 1), kWall, Time());
-  EXPECT_NE(a.twin_is_older(1, Time()), b.twin_is_older(1, Time()));
+  EXPECT_NE(a.duplicate_is_older(1, Time()), b.duplicate_is_older(1, Time()));
 }
 
 TEST(PeerProcesses, SaysWhoHasAnotherConfiguration) {

@@ -14,7 +14,7 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-struct Thing {
+struct EditedObject {
   Vector2d p{0, 0};
   Label label = Label::kTree;
   int row = 0, position = 0;
@@ -22,7 +22,7 @@ struct Thing {
 };
 
 struct State {
-  std::map<int, Thing> things;
+  std::map<int, EditedObject> objects;
   std::map<int, std::string> row_names;
 };
 
@@ -97,14 +97,14 @@ class Editor {
     EXPECT_TRUE(map.row_names == state.row_names);
     for (const Landmark& l : map.landmarks) {
       ASSERT_EQ(state.objects.count(l.id), 1u) << l.id;
-      const Thing& thing = state.objects.at(l.id);
-      EXPECT_EQ(l.label, thing.label);
-      EXPECT_LT((Vector2d(l.x_m, l.y_m) - thing.p).norm(), 1e-9);
-      EXPECT_EQ(l.row, thing.row) << l.id;
-      EXPECT_EQ(l.position, thing.position) << l.id;
+      const EditedObject& object = state.objects.at(l.id);
+      EXPECT_EQ(l.label, object.label);
+      EXPECT_LT((Vector2d(l.x_m, l.y_m) - object.p).norm(), 1e-9);
+      EXPECT_EQ(l.row, object.row) << l.id;
+      EXPECT_EQ(l.position, object.position) << l.id;
       const auto notes = map.notes.find(l.id);
       EXPECT_TRUE((notes == map.notes.end() ? std::vector<std::string>() : notes->second) ==
-                  thing.notes);
+                  object.notes);
     }
   }
 
@@ -112,10 +112,10 @@ class Editor {
   int pick(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
   double length() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
 
-  static CorrectionTarget target(const std::pair<const int, Thing>& entry) {
+  static CorrectionTarget target(const std::pair<const int, EditedObject>& entry) {
     return {entry.first, entry.second.p, entry.second.label, 0.0};
   }
-  std::map<int, Thing>::iterator any(State& state) {
+  std::map<int, EditedObject>::iterator any(State& state) {
     return std::next(state.objects.begin(), pick(static_cast<int>(state.objects.size())));
   }
   /// A place where nothing stands within 0.8 m.
@@ -123,14 +123,14 @@ class Editor {
     for (;;) {
       const Vector2d p(30.0 * length(), 30.0 * length());
       bool is_free = true;
-      for (const auto& [id, thing] : state.objects) is_free &= (thing.p - p).norm() > 0.8;
+      for (const auto& [id, object] : state.objects) is_free &= (object.p - p).norm() > 0.8;
       if (is_free) return p;
     }
   }
 
   void fill(int what, Correction& c, State& state) {
     const auto one = any(state);
-    Thing& thing = one->second;
+    EditedObject& object = one->second;
     if (what <= 3) {
       c.kind = CorrectionKind::kAdd;
       c.new_id = next_id_++;
@@ -145,12 +145,12 @@ class Editor {
       c.kind = CorrectionKind::kMove;
       c.targets = {target(*one)};
       c.places_map = {free_place(state)};
-      thing.p = c.places_map[0];
+      object.p = c.places_map[0];
     } else if (what <= 8) {
       c.kind = CorrectionKind::kClass;
       c.targets = {target(*one)};
-      c.label = thing.label = pick(2) ? Label::kTree : Label::kObject;
-      if (c.label == Label::kObject) thing.row = thing.position = 0;
+      c.label = object.label = pick(2) ? Label::kTree : Label::kObject;
+      if (c.label == Label::kObject) object.row = object.position = 0;
     } else if (what == 9) {
       merge(c, state);
     } else if (what == 10) {
@@ -159,8 +159,8 @@ class Editor {
       c.new_id = next_id_++;
       c.places_map = {free_place(state), {0, 0}};
       c.places_map[1] = c.places_map[0] + Vector2d(0.6, 0.0);
-      thing.p = c.places_map[0];
-      state.objects[c.new_id] = {c.places_map[1], thing.label, 0, 0, {}};
+      object.p = c.places_map[0];
+      state.objects[c.new_id] = {c.places_map[1], object.label, 0, 0, {}};
     } else if (what == 11) {
       c.kind = CorrectionKind::kRowName;
       c.row = 1 + pick(3);
@@ -169,13 +169,13 @@ class Editor {
     } else if (what == 12) {
       c.kind = CorrectionKind::kRenumber;
       c.targets = {target(*one)};
-      c.row = thing.row = 7;
-      c.position = thing.position = 1000 + c.number;
+      c.row = object.row = 7;
+      c.position = object.position = 1000 + c.number;
     } else {
       c.kind = CorrectionKind::kNote;
       c.targets = {target(*one)};
       c.note = "note " + std::to_string(c.number);
-      thing.notes.push_back(c.note);
+      object.notes.push_back(c.note);
     }
   }
 
@@ -188,8 +188,8 @@ class Editor {
     c.kind = CorrectionKind::kMerge;
     c.targets = {target(*one), target(*other)};
     c.places_map = {one->second.p};
-    Thing& a = one->second;
-    const Thing& b = other->second;
+    EditedObject& a = one->second;
+    const EditedObject& b = other->second;
     for (const std::string& note : b.notes) a.notes.push_back(note);
     if (a.row == 0) a.row = b.row, a.position = b.position;
     state.objects.erase(other);

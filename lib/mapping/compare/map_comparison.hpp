@@ -22,9 +22,9 @@ struct ComparisonConfig {
   double confidence_min = 0.8;  ///< of missing and new (else not seen) and of width changes
   double moved_min_m = 0.15;    ///< min displacement of a move
   double moved_max_m = 1.6;     ///< max displacement; farther away it is another tree
-  double sigmas_min = 3.0;    ///< of displacements and width changes, in standard errors
-  bool assume_seen = false;   ///< assume that both drives observed every position
-  bool with_objects = false;  ///< compare objects too, not only trees
+  double sigmas_min = 3.0;      ///< of displacements and width changes, in standard errors
+  bool assume_seen = false;     ///< assume that both drives observed every position
+  bool with_objects = false;    ///< compare objects too, not only trees
   ClumpConfig clump;
 };
 

@@ -78,9 +78,7 @@ TEST(Sway, AStalkInTheWindIsStrayAndACaneIsNone) {
   EXPECT_EQ(strays.num_others, 0);
 }
 
-TEST(Sway, WhatScattersAsTreesDoIsNoStray) {
-  EXPECT_EQ(strays_of(drive(0.04)).num_others, 0);
-}
+TEST(Sway, WhatScattersAsTreesDoIsNoStray) { EXPECT_EQ(strays_of(drive(0.04)).num_others, 0); }
 
 }  // namespace
 }  // namespace orchard::mapping

@@ -20,7 +20,7 @@ packages=(
   # messages: the library, lcm-gen/lcm-logger/lcm-spy, and Java for the types' jar and lcm-spy
   liblcm-dev liblcm-bin liblcm-java libjchart2d-java default-jdk-headless
   # mathematics, poses, rawlogs, geodesy
-  libeigen3-dev libceres-dev libmrpt-poses-dev libmrpt-obs-dev libgeographiclib-dev
+  libeigen3-dev libceres-dev libmetis-dev libmrpt-poses-dev libmrpt-obs-dev libgeographiclib-dev
   # images
   # (libopencv-dev: the module packages alone carry no CMake config)
   libopencv-dev

@@ -5,10 +5,13 @@
 #include <Eigen/SparseCore>
 #include <optional>
 
+#include "pose/graph/fill_reducing_ordering.hpp"
+
 namespace orchard::pose {
 
 /// L D L^T factorisation, reading the lower triangle of a matrix; gives write access to L.
-class Ldlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
+class Ldlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower,
+                                          FillReducingOrdering> {
  public:
   /// L without its unit diagonal.
   Eigen::SparseMatrix<double>& lower() { return m_matrix; }

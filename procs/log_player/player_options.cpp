@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log_player/player_options.hpp"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <utility>
 
+#include "bus/node/common_options.hpp"
 #include "io/file_error.hpp"
 #include "log_player/replay_rig.hpp"
 
@@ -30,13 +30,6 @@ constexpr const char* kFooter =
     "Exit codes: 0 replayed (with --verify: and equal), 1 runtime failure, no answer of a process, "
     "or\n"
     "a difference, 2 bad command line, 3 bad configuration or log.";
-
-void set_up_log(const std::string& level) {
-  auto logger = spdlog::stderr_color_mt(kName);
-  logger->set_pattern("%H:%M:%S.%e %n %^%l%$: %v");
-  spdlog::set_default_logger(logger);
-  spdlog::set_level(spdlog::level::from_str(level == "warning" ? "warn" : level));
-}
 
 /// Chooses the rig of the replay and prints its notes; false on failure.
 bool take_replay_rig(PlayerOptions& options, const std::string& config_path) {
@@ -61,10 +54,7 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   app.footer(kFooter);
   app.set_version_flag("-V,--version", std::string(kName) + " " + std::string(bus::version()));
   std::string config_path;
-  std::string lcm_url;
-  std::string log_level = "info";
-  bool print_config = false;
-  bool print_all = false;
+  bus::CommonOptions common;
   bool in_process = false;
   bool lockstep = false;
   app.add_option("log", options.log_path, "LCM log to replay")->option_text("LOG");
@@ -108,42 +98,31 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
       ->needs(speed);
   app.add_flag("--hold", options.process.hold, "with --speed: keep running after the last message")
       ->needs(speed);
-  app.add_option(
-         "--lcm-url", lcm_url,
-         "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
-      ->option_text("URL");
-  app.add_option(
-         "--log-level", log_level,
-         "lowest level of log lines to print: trace, debug, info, warning, error or off [info]")
-      ->option_text("LEVEL")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
-  auto* print_flag =
-      app.add_flag("--print-config", print_config, "print the effective configuration, and exit");
-  app.add_flag("--all", print_all, "with --print-config: also print the expert keys")
-      ->needs(print_flag);
+  bus::add_common_options(app, common);
   try {
     app.parse(argc, argv);
-    if (options.log_path.empty() && !print_config) throw CLI::RequiredError("LOG");
+    if (options.log_path.empty() && !common.print_config) throw CLI::RequiredError("LOG");
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error) == 0 ? bus::kExitOk : bus::kExitRuntime;
     std::cerr << kName << ": " << error.what() << "; see " << kName << " --help\n";
     return bus::kExitUsage;
   }
-  set_up_log(log_level);
+  bus::set_up_log(kName, common.log_level);
   options.mode = lockstep             ? PlayerMode::kLockstep
                  : speed->count() > 0 ? PlayerMode::kPaced
                                       : PlayerMode::kInProcess;
   for (std::string& name : options.process.wait_for) {
-    if (name.rfind("orchard-", 0) != 0) name = "orchard-" + name;
+    name = bus::full_process_name(name);
   }
   if (options.mode == PlayerMode::kInProcess && !options.log_path.empty()) {
     if (!take_replay_rig(options, config_path)) return bus::kExitInput;
   } else if (!bus::load_config(kName, config_path, options.rig)) {
     return bus::kExitInput;
   }
-  bus::choose_url(lcm_url, !config_path.empty(), options.rig.lcm());
-  if (print_config) {
-    std::cout << options.rig.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
+  bus::choose_url(common.lcm_url, !config_path.empty(), options.rig.lcm());
+  if (common.print_config) {
+    std::cout << options.rig.print(common.print_all ? io::PrintedKeys::kAll
+                                                    : io::PrintedKeys::kUser);
     return bus::kExitOk;
   }
   options.process.config = options.rig.effective();

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/node/process_options.hpp"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
+
+#include "bus/node/common_options.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -14,19 +15,6 @@ namespace {
 constexpr const char* kFooter =
     "Exit codes: 0 stopped (Ctrl-C, SIGTERM) or end of input, 1 runtime failure,\n"
     "2 bad command line, 3 bad configuration or input file.";
-
-/// Log lines go to stderr; stdout is reserved for output that was requested.
-void set_up_log(const std::string& name, const std::string& level) {
-  auto logger = spdlog::get(name);
-  if (!logger) logger = spdlog::stderr_color_mt(name);
-  logger->set_pattern("%H:%M:%S.%e %n %^%l%$: %v");
-  spdlog::set_default_logger(logger);
-  spdlog::set_level(spdlog::level::from_str(level == "warning" ? "warn" : level));
-}
-
-std::string full_name(const std::string& name) {
-  return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
-}
 
 }  // namespace
 
@@ -66,28 +54,12 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   app.footer(kFooter);
   app.set_version_flag("-V,--version", info.name + " " + std::string(version()));
   std::string config_path;
-  std::string lcm_url;
-  std::string log_level = "info";
-  bool print_config = false;
-  bool print_all = false;
+  CommonOptions common;
   app.add_option("--config", config_path,
                  info.load_default ? "configuration of the rig [that of the scene]"
                                    : "configuration of the rig [built-in defaults]")
       ->option_text("FILE");
-  app.add_option(
-         "--lcm-url", lcm_url,
-         "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
-      ->option_text("URL");
-  app.add_option(
-         "--log-level", log_level,
-         "lowest level of log lines to print: trace, debug, info, warning, error or off [info]")
-      ->option_text("LEVEL")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
-  auto* print_flag =
-      app.add_flag("--print-config", print_config,
-                   "print the effective configuration with units and ranges, and exit");
-  app.add_flag("--all", print_all, "with --print-config: also print the expert keys")
-      ->needs(print_flag);
+  add_common_options(app, common);
   if (kind == ProcessKind::kNode) {
     app.add_flag("--lockstep", options.lockstep,
                  "run in a replay of orchard-log-player --lockstep instead of live; ready for the "
@@ -118,16 +90,16 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
     std::cerr << info.name << ": " << error.what() << "; see " << info.name << " --help\n";
     return kExitUsage;
   }
-  for (std::string& name : options.wait_for) name = full_name(name);
-  set_up_log(info.name, log_level);
+  for (std::string& name : options.wait_for) name = full_process_name(name);
+  set_up_log(info.name, common.log_level);
   if (config_path.empty() && info.load_default) {
     info.load_default();
   } else if (!load_config(info.name, config_path, config)) {
     return kExitInput;
   }
-  choose_url(lcm_url, !config_path.empty(), config.lcm());
-  if (print_config) {
-    std::cout << config.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
+  choose_url(common.lcm_url, !config_path.empty(), config.lcm());
+  if (common.print_config) {
+    std::cout << config.print(common.print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;
   }
   if (info.lockstep != nullptr) *info.lockstep = options.lockstep;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bus/messages/channel.hpp"
+#include "bus/node/common_options.hpp"
 #include "cli/rig/suggestion.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"
@@ -67,10 +68,6 @@ std::set<std::string> drivers_played(const std::string& log_path) {
   return names;
 }
 
-std::string full_name(const std::string& name) {
-  return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
-}
-
 /// Resolves a list of names to processes.
 std::set<std::string> named(const std::vector<std::string>& names,
                             const std::vector<ChildPlan>& plans) {
@@ -81,7 +78,7 @@ std::set<std::string> named(const std::vector<std::string>& names,
     for (const ChildPlan& plan : plans) {
       known.push_back(plan.name.substr(std::string("orchard-").size()));
       const bool is_meant =
-          name == "drivers" ? plan.stage == kDrivers : plan.name == full_name(name);
+          name == "drivers" ? plan.stage == kDrivers : plan.name == bus::full_process_name(name);
       if (is_meant) found.insert(plan.name);
     }
     if (found.size() == before && name != "drivers") {

@@ -175,9 +175,11 @@ void add_sides(const Arc& arc, const Circle& c, Normal& sum) {
   }
 }
 
-Normal normal_at(const Arc& arc, const Circle& c, double step_rad, double range_sd_m) {
+Normal normal_at(const Arc& arc, const Circle& c, double step_rad, double range_sd_m,
+                 const std::optional<RadiusPrior>& prior) {
   Normal sum = normal_of_ranges(arc, c, step_rad, range_sd_m);
   add_sides(arc, c, sum);
+  if (prior) sum.add(prior->mean_m - c.radius_m, {0.0, 0.0, 1.0}, prior->sd_m * prior->sd_m);
   return sum;
 }
 
@@ -216,7 +218,7 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
   bool settled = false;
   Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
   for (int i = 0; i < kMaxIterations; ++i) {
-    normal = normal_at(arc, c, bearing_step_rad, range_sd_m);
+    normal = normal_at(arc, c, bearing_step_rad, range_sd_m, search.prior);
     if (normal.count < 3) return std::nullopt;
     if (search.only_good && is_hopeless(normal, i)) return std::nullopt;
     bool invertible = false;

@@ -34,6 +34,12 @@ struct CircleFit {
   double chi2_per_dof() const { return dof > 0 ? chi2 / dof : 0.0; }
 };
 
+/// A radius known beforehand, as from other trunks.
+struct RadiusPrior {
+  double mean_m = 0.0;
+  double sd_m = 0.0;
+};
+
 /// Options of the circle fit.
 struct CircleSearch {
   /// Initial circle in the frame of the arc; none = the arc is taken for the whole visible half.
@@ -41,6 +47,7 @@ struct CircleSearch {
   double settled_m = 1e-5;  ///< convergence threshold for a step of centre or radius
   /// Abandons the fit early when it is unlikely to become good (see kGoodFit).
   bool only_good = false;
+  std::optional<RadiusPrior> prior;  ///< counts as one more measurement
 };
 
 /// Chi2 per degree of freedom below which a fit is explained by noise.

@@ -39,7 +39,7 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
   CandidateFitter fit(beams, segmentation, laser);
   merge_occluded(beams, segmentation, fit, candidates);
   for (Candidate& candidate : candidates) trim_border(beams, candidate);
-  split_touching(beams, segmentation, laser, fit, candidates);
+  split_touching(beams, segmentation, width, laser, fit, candidates);
   const auto measured = [&](const Candidate& candidate) {
     return measure(scan, beams, candidate, segmentation, width, laser, fit);
   };

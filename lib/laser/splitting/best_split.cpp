@@ -14,8 +14,6 @@ namespace orchard::laser {
 namespace {
 
 constexpr std::size_t kMaxThinBeams = 2;
-/// Penalty per circle or line, in chi2: noise alone gains this much in about 1 of 1000 splits.
-constexpr double kPartCost = 18.0;
 /// Penalty of a part of one or two clutter beams, in chi2.
 constexpr std::array<double, kMaxThinBeams> kThinCosts{15.0, 18.0};
 /// Largest fraction of the beams that may be clutter.
@@ -28,32 +26,62 @@ constexpr int kMaxMisfits = 3;
 constexpr int kMaxMisfitsAtFirst = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Range of a circle's near side in a direction of its frame; 0 if it lies beside that.
+double range_of_circle_m(const CircleFit& circle, const Direction& direction) {
+  const double along_m = circle.x_m * direction.c + circle.y_m * direction.s;
+  const double across_m = circle.y_m * direction.c - circle.x_m * direction.s;
+  const double half_chord2_m2 = circle.radius_m * circle.radius_m - across_m * across_m;
+  return half_chord2_m2 > 0.0 ? along_m - std::sqrt(half_chord2_m2) : 0.0;
+}
+
 }  // namespace
 
 Candidate BestSplit::part(const Candidate& candidate, std::size_t from, std::size_t to) const {
   return part_of(beams_, candidate, positions_[from], positions_[to - 1]);
 }
 
-void BestSplit::extend_explanation(std::size_t from, std::size_t to, double cost, bool is_circle) {
+void BestSplit::extend_explanation(std::size_t from, std::size_t to, double cost, Kind kind) {
+  const bool is_circle = kind != Kind::kClutter;
   const std::size_t more = is_circle ? 1 : 0;
   for (std::size_t circles = 0; circles + more <= kMaxCircles; ++circles) {
     const Explanation& before = explanations_[circles][from];
     // Two adjacent clutter parts would be one longer part.
-    if (!is_circle && from > 0 && !before.is_circle) continue;
+    if (!is_circle && from > 0 && before.kind == Kind::kClutter) continue;
     Explanation& explanation = explanations_[circles + more][to];
-    if (before.cost + cost < explanation.cost) explanation = {before.cost + cost, from, is_circle};
+    if (before.cost + cost < explanation.cost) explanation = {before.cost + cost, from, kind};
   }
 }
 
-void BestSplit::find_explanations(const Candidate& candidate) {
+void BestSplit::extend_by_hidden_trunk(const Candidate& piece, std::size_t from, std::size_t to,
+                                       const PartEvidence& evidence) {
+  const auto extend = [&](bool Candidate::*hidden, Kind kind, std::size_t end, std::size_t beside) {
+    const double beside_m = beams_.range_m(positions_[beside]);
+    if (beams_.range_m(positions_[end]) < beside_m) return;
+    Candidate behind = piece;
+    behind.*hidden = true;
+    const auto circle = fit_.good(behind, {}, evidence.radius_prior());
+    // It goes on behind the neighbour's outermost beam; less than a beam is not known to be hidden.
+    const std::ptrdiff_t offset = positions_[beside] - piece.first;
+    const Direction& ahead = beams_.direction(std::abs(offset));
+    const Direction direction{ahead.c, offset < 0 ? -ahead.s : ahead.s};
+    if (circle && range_of_circle_m(*circle, direction) > beside_m) {
+      extend_explanation(from, to, evidence.of_hidden_trunk(*circle), kind);
+    }
+  };
+  if (from > 0) extend(&Candidate::hidden_before, Kind::kBehindBefore, from, from - 1);
+  if (to < positions_.size()) extend(&Candidate::hidden_after, Kind::kBehindAfter, to - 1, to);
+}
+
+void BestSplit::find_explanations(const Candidate& candidate, const PartEvidence& evidence) {
   const std::size_t n = positions_.size();
   const std::size_t fewest = std::max<std::size_t>(
       kMinPartBeams, static_cast<std::size_t>(std::ceil(kMinFraction * static_cast<double>(n))));
-  for (auto& explanations : explanations_) explanations.assign(n + 1, {kInfinity, 0, false});
+  for (auto& explanations : explanations_)
+    explanations.assign(n + 1, {kInfinity, 0, Kind::kClutter});
   explanations_[0][0].cost = 0.0;
   for (std::size_t from = 0; from < n; ++from) {
     for (std::size_t thin = 1; thin <= std::min(kMaxThinBeams, n - from); ++thin) {
-      extend_explanation(from, from + thin, kThinCosts[thin - 1], false);
+      extend_explanation(from, from + thin, kThinCosts[thin - 1], Kind::kClutter);
     }
     const bool is_first = from <= kMaxThinBeams;  // otherwise it must be the last circle
     if (!is_first && explanations_[1][from].cost == kInfinity) continue;
@@ -62,14 +90,16 @@ void BestSplit::find_explanations(const Candidate& candidate) {
     // Warm start from the circle fitted to one beam less.
     std::optional<CircleFit> last;
     for (std::size_t to = is_first ? least : std::max(least, n - kMaxThinBeams); to <= n; ++to) {
-      const auto circle = fit_.good(part(candidate, from, to), last);
+      const Candidate piece = part(candidate, from, to);
+      const auto circle = fit_.good(piece, last);
       if (circle) {
         last = circle;
-        extend_explanation(from, to, kPartCost + circle->chi2 - circle->dof, true);
+        extend_explanation(from, to, evidence.of_circle(*circle, piece), Kind::kCircle);
         num_misfits = kMaxMisfits;
       } else if (--num_misfits == 0) {
         break;
       }
+      extend_by_hidden_trunk(piece, from, to, evidence);
     }
   }
 }
@@ -91,11 +121,13 @@ void BestSplit::drop_mixed() {
   parts_ = std::move(kept);
 }
 
-const std::vector<Candidate>& BestSplit::operator()(const Candidate& candidate) {
+const std::vector<Candidate>& BestSplit::operator()(const Candidate& candidate,
+                                                    const PartEvidence& evidence) {
   positions_.clear();
   for_each_beam(beams_, candidate, [&](std::ptrdiff_t i) { positions_.push_back(i); });
   const std::size_t n = positions_.size();
-  find_explanations(candidate);
+  find_explanations(candidate, evidence);
+  for (Explanation& two : explanations_[2]) two.cost += evidence.of_second_circle();
   std::size_t circles = 1;
   for (std::size_t c = 2; c <= kMaxCircles; ++c) {
     if (explanations_[c][n].cost < explanations_[circles][n].cost) circles = c;
@@ -104,17 +136,19 @@ const std::vector<Candidate>& BestSplit::operator()(const Candidate& candidate) 
   const double min_cost = explanations_[circles][n].cost;
   if (min_cost == kInfinity) return parts_;
   const auto one = fit_(candidate);
-  if (one && kPartCost + one->chi2 - one->dof <= min_cost) return parts_;
+  if (one && evidence.of_circle(*one, candidate) <= min_cost) return parts_;
   const double line_chi2 = laser::line_chi2(fit_.arc(candidate), fit_.range_sd_m(candidate));
-  const double line_cost = kPartCost + line_chi2 - static_cast<double>(n) + 2.0;
-  if (line_cost <= min_cost) return parts_;
+  if (evidence.of_line(line_chi2) <= min_cost) return parts_;
 
   std::size_t num_thin_beams = 0;
   for (std::size_t to = n; to > 0;) {
     const Explanation& explanation = explanations_[circles][to];
     parts_.push_back(part(candidate, explanation.from, to));
-    if (!explanation.is_circle) num_thin_beams += to - explanation.from;
-    circles -= explanation.is_circle ? 1 : 0;
+    if (explanation.kind == Kind::kBehindBefore) parts_.back().hidden_before = true;
+    if (explanation.kind == Kind::kBehindAfter) parts_.back().hidden_after = true;
+    const bool is_circle = explanation.kind != Kind::kClutter;
+    if (!is_circle) num_thin_beams += to - explanation.from;
+    circles -= is_circle ? 1 : 0;
     to = explanation.from;
   }
   if (static_cast<double>(num_thin_beams) > kMaxClutterFraction * static_cast<double>(n)) {
@@ -124,7 +158,12 @@ const std::vector<Candidate>& BestSplit::operator()(const Candidate& candidate) 
   std::reverse(parts_.begin(), parts_.end());
   for (std::size_t k = 0; k + 1 < parts_.size(); ++k) {
     if (std::min(parts_[k].num_beams, parts_[k + 1].num_beams) < kMinPartBeams) continue;
-    order_by_depth(parts_[k], parts_[k + 1], fit_);
+    Candidate &before = parts_[k], &after = parts_[k + 1];
+    if (before.hidden_after == after.hidden_before) {
+      order_by_depth(before, after, fit_);
+    } else {
+      (before.hidden_after ? after.touches_before : before.touches_after) = false;
+    }
   }
   drop_mixed();
   return parts_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "laser/splitting/candidate_fit.hpp"
+#include "laser/splitting/part_evidence.hpp"
 
 namespace orchard::laser {
 
@@ -17,22 +18,30 @@ class BestSplit {
 
   /// The parts in order of bearing; none if a single circle or line explains the candidate as well,
   /// or if nothing does. Valid until the next call.
-  const std::vector<Candidate>& operator()(const Candidate& candidate);
+  const std::vector<Candidate>& operator()(const Candidate& candidate,
+                                           const PartEvidence& evidence);
 
  private:
   static constexpr std::size_t kMaxCircles = 2;
+
+  /// What a part is; a trunk may lie behind the part before or after it.
+  enum class Kind { kClutter, kCircle, kBehindBefore, kBehindAfter };
 
   /// Cheapest explanation of the first beams with a given number of circles: its total cost, and
   /// the first beam and kind of its last part.
   struct Explanation {
     double cost;
     std::size_t from;
-    bool is_circle;
+    Kind kind;
   };
 
   Candidate part(const Candidate& candidate, std::size_t from, std::size_t to) const;
-  void extend_explanation(std::size_t from, std::size_t to, double cost, bool is_circle);
-  void find_explanations(const Candidate& candidate);
+  void extend_explanation(std::size_t from, std::size_t to, double cost, Kind kind);
+  /// Tries beams as a trunk whose side is hidden behind a nearer neighbour among the candidate's
+  /// beams.
+  void extend_by_hidden_trunk(const Candidate& piece, std::size_t from, std::size_t to,
+                              const PartEvidence& evidence);
+  void find_explanations(const Candidate& candidate, const PartEvidence& evidence);
   /// Drops clutter beams that are not nearer than their neighbours: they are mixed pixels.
   void drop_mixed();
 

@@ -52,9 +52,10 @@ std::optional<CircleFit> CandidateFitter::operator()(const Candidate& candidate)
 }
 
 std::optional<CircleFit> CandidateFitter::good(const Candidate& candidate,
-                                               const std::optional<CircleFit>& near) {
+                                               const std::optional<CircleFit>& near,
+                                               const std::optional<RadiusPrior>& prior) {
   auto circle = fit_circle(arc(candidate), beams_.step_rad(), range_sd_m(candidate),
-                           0.5 * config_.width_max_m, {near, kSettled_m, true});
+                           0.5 * config_.width_max_m, {near, kSettled_m, true, prior});
   if (!fits(circle)) circle.reset();
   return circle;
 }

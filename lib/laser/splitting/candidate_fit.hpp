@@ -23,7 +23,8 @@ class CandidateFitter {
   std::optional<CircleFit> operator()(const Candidate& candidate);
   /// As operator(), but returns only a good fit (see kGoodFit). Starts from `near`; not cached.
   std::optional<CircleFit> good(const Candidate& candidate,
-                                const std::optional<CircleFit>& near = {});
+                                const std::optional<CircleFit>& near = {},
+                                const std::optional<RadiusPrior>& prior = {});
   /// Fits a circle of any radius up to width_max_m.
   const std::optional<CircleFit>& any(const Candidate& candidate);
   /// The measurements for a circle fit; valid until the next call.

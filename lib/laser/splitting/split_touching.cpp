@@ -120,8 +120,9 @@ bool is_flat_piece(const Candidate& candidate, CandidateFitter& fit) {
 
 }  // namespace
 
-void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    CandidateFitter& fit, std::vector<Candidate>& candidates) {
+void split_touching(const Beams& beams, const SegmentationConfig& config, const WidthConfig& width,
+                    const LaserConfig& laser, CandidateFitter& fit,
+                    std::vector<Candidate>& candidates) {
   if (!config.split_touching) return;
   ValleyFinder find_valley;
   BestSplit best_split(beams, fit);
@@ -139,9 +140,14 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
                         parts.end());
     };
     const bool small = span_m <= kMaxTwinsWidth_m && candidate.num_beams <= kMaxBeamsTried;
-    if (small && !fits(fit(candidate))) {
+    if (small) {
+      // Most trunks end here: no share of the span between two stems is as probable as the circle.
+      const PartEvidence evidence(width, config, beams.step_rad() * range_m, span_m, range_sd_m,
+                                  candidate.num_beams);
+      const auto one = fit(candidate);
+      if (fits(one) && evidence.of_circle(*one, candidate) < evidence.least_of_two()) continue;
       if (is_flat_piece(candidate, fit)) continue;
-      const std::vector<Candidate>& parts = best_split(candidate);
+      const std::vector<Candidate>& parts = best_split(candidate, evidence);
       if (parts.empty()) continue;
       replace(parts);
       k += parts.size() - 1;
@@ -153,13 +159,13 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
       parts = split_at(beams, candidate, valley->position);
       is_pair = two_fit_better(parts, candidate, fit, valley->sigmas > kClearProminence);
     }
-    if (!is_pair && !small && span_m < kMaxPairWidth_m) {
+    if (!is_pair && span_m < kMaxPairWidth_m) {
       if (const auto gap = find_gap(beams, candidate)) {
         parts = split_at(beams, candidate, *gap);
         is_pair = two_fit_better(parts, candidate, fit, true);
       }
     }
-    if (!is_pair && !small && span_m < kMaxPairWidth_m) {
+    if (!is_pair && span_m < kMaxPairWidth_m) {
       if (const auto step = find_step(beams, candidate, range_sd_m)) {
         parts = split_at(beams, candidate, *step);
         is_pair = two_fit_better(parts, candidate, fit, true);

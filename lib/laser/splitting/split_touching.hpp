@@ -8,12 +8,15 @@
 #include "laser/laser_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/splitting/candidate_fit.hpp"
+#include "laser/width_config.hpp"
 
 namespace orchard::laser {
 
 /// Splits candidates that two circles explain clearly better than one: trunks that touch, side by
-/// side or one behind the other, and trunks widened by a few beams of grass or a stake.
-void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    CandidateFitter& fit, std::vector<Candidate>& candidates);
+/// side or one behind the other, and trunks widened by a few beams of grass or a stake. `width`
+/// says how wide trunks are.
+void split_touching(const Beams& beams, const SegmentationConfig& config, const WidthConfig& width,
+                    const LaserConfig& laser, CandidateFitter& fit,
+                    std::vector<Candidate>& candidates);
 
 }  // namespace orchard::laser

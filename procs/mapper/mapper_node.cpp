@@ -276,7 +276,7 @@ void MapperNode::flush(const bus::Outbox& send) {
   if (moved_m_ > 0.0) rebuild_map(send);
   album_.flush();
   // Send the whole map once more, so that a recorded log ends with it.
-  if (mapper_.num_landmarks() > 0) {
+  if (has_readers_ && mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
     if (config_.rows.enabled) {
       mapping::number_landmarks(mapping::find_rows(standing_landmarks(), config_.rows), all);
@@ -293,6 +293,7 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
   if (!ids.empty()) last_id_ = std::max(last_id_, ids.back());
   degradation_.note_scan(detections.utime, detections.image_utime, last_id_);
   photograph(detections, T_map_base);
+  if (!has_readers_) return;
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
   std::sort(ids.begin(), ids.end());
@@ -303,6 +304,7 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
 void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
                                 const std::vector<std::int32_t>& removed_ids,
                                 const bus::Outbox& send) {
+  if (!has_readers_) return;
   std::vector<mapping::Landmark> landmarks;
   landmarks.reserve(ids.size());
   for (const std::int32_t id : ids) landmarks.push_back(mapper_.landmark(id));

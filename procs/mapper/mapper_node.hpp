@@ -88,6 +88,10 @@ class MapperNode : public bus::Node {
   /// Changes with every rebuild of the map, which is expensive to repeat.
   std::size_t num_rebuilt() const { return num_rebuilt_; }
 
+  /// Whether anyone reads MAP; false: none is sent, and its landmarks are not computed. The content
+  /// of the map is the same.
+  void set_has_readers(bool has_readers) { has_readers_ = has_readers; }
+
   /// Number of all landmarks, including those with few observations.
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 
@@ -148,6 +152,7 @@ class MapperNode : public bus::Node {
   mutable std::size_t num_voted_ = 0;
   std::int32_t last_id_ = 0;  ///< highest landmark id so far
   bool is_flushed_ = false;
+  bool has_readers_ = true;  ///< of MAP
   pose::TrajectoryCollector collector_;
   double moved_m_ = 0.0;         ///< motion by corrections since the last rebuild
   std::size_t num_rebuilt_ = 0;  ///< number of observations at the last rebuild

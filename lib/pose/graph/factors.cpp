@@ -53,24 +53,6 @@ class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
   Eigen::Matrix3d W_;
 };
 
-class ObservationFactor : public ceres::SizedCostFunction<2, 3, 2> {
- public:
-  explicit ObservationFactor(const SlamObservation& observation) : residual_(observation) {}
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Vector3Map T(parameters[0]);
-    const Vector2Map p(parameters[1]);
-    Eigen::Map<Eigen::Vector2d>{residuals} = residual_.at(T, p);
-    if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) RowMajor<2, 3>{jacobians[0]} = residual_.by_pose(T, p);
-    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = residual_.by_position(T);
-    return true;
-  }
-
- private:
-  ObservationResidual residual_;
-};
-
 class LandmarkPriorFactor : public ceres::SizedCostFunction<2, 2> {
  public:
   LandmarkPriorFactor(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);
@@ -271,32 +253,23 @@ bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
 
 }  // namespace
 
+BasePlacement::BasePlacement(const Eigen::Vector3d& T_map_base)
+    : p_map(T_map_base.head<2>()), R_base_map(rotation(T_map_base.z()).transpose()) {}
+
 ObservationResidual::ObservationResidual(const SlamObservation& observation)
     : p_base_(observation.position()), W_(whitening(observation.covariance())) {}
 
-Eigen::Vector2d ObservationResidual::seen(const Eigen::Vector3d& T_map_base,
-                                          const Eigen::Vector2d& p_map) {
-  return rotation(T_map_base.z()).transpose() * (p_map - T_map_base.head<2>());
-}
-
-Eigen::Matrix<double, 2, 3> ObservationResidual::by_pose(const Eigen::Vector3d& T_map_base,
+Eigen::Matrix<double, 2, 3> ObservationResidual::by_pose(const BasePlacement& base,
                                                          const Eigen::Vector2d& p_map) const {
   Eigen::Matrix<double, 2, 3> J;
-  J.leftCols<2>() = -W_ * rotation(T_map_base.z()).transpose();
-  J.col(2) = -W_ * turned(seen(T_map_base, p_map));
+  J.leftCols<2>() = -W_ * base.R_base_map;
+  J.col(2) = -W_ * turned(seen(base, p_map));
   return J;
-}
-
-Eigen::Matrix2d ObservationResidual::by_position(const Eigen::Vector3d& T_map_base) const {
-  return W_ * rotation(T_map_base.z()).transpose();
 }
 
 ceres::CostFunction* motion_factor(const RelativeMotion& motion,
                                    const Eigen::Matrix3d& covariance) {
   return new MotionFactor(motion, covariance);
-}
-ceres::CostFunction* observation_factor(const SlamObservation& observation) {
-  return new ObservationFactor(observation);
 }
 ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
                                            const Eigen::Matrix2d& covariance) {

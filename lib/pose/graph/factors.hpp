@@ -21,23 +21,30 @@ inline constexpr double kOutlier_sigma = 3.0;
 /// motion.delta, plus that of the previous pose if it is fixed but uncertain.
 ceres::CostFunction* motion_factor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
 
-/// Observation of a landmark by a keyframe: parameters pose, landmark.
-ceres::CostFunction* observation_factor(const SlamObservation& observation);
+/// A pose T_map_base with its rotation, computed once for many observations.
+struct BasePlacement {
+  explicit BasePlacement(const Eigen::Vector3d& T_map_base);
 
-/// Residual of observation_factor without heap allocation, for graphs of 100,000 observations.
+  Eigen::Vector2d p_map;       ///< of base
+  Eigen::Matrix2d R_base_map;  ///< from map to base
+};
+
+/// Observation of a landmark by a keyframe. No object on the heap: graphs have 100,000 of them.
 class ObservationResidual {
  public:
   explicit ObservationResidual(const SlamObservation& observation);
 
-  Eigen::Vector2d at(const Eigen::Vector3d& T_map_base, const Eigen::Vector2d& p_map) const {
-    return W_ * (seen(T_map_base, p_map) - p_base_);
+  Eigen::Vector2d at(const BasePlacement& base, const Eigen::Vector2d& p_map) const {
+    return W_ * (seen(base, p_map) - p_base_);
   }
-  Eigen::Matrix<double, 2, 3> by_pose(const Eigen::Vector3d& T_map_base,
+  Eigen::Matrix<double, 2, 3> by_pose(const BasePlacement& base,
                                       const Eigen::Vector2d& p_map) const;
-  Eigen::Matrix2d by_position(const Eigen::Vector3d& T_map_base) const;
+  Eigen::Matrix2d by_position(const BasePlacement& base) const { return W_ * base.R_base_map; }
 
  private:
-  static Eigen::Vector2d seen(const Eigen::Vector3d& T_map_base, const Eigen::Vector2d& p_map);
+  static Eigen::Vector2d seen(const BasePlacement& base, const Eigen::Vector2d& p_map) {
+    return base.R_base_map * (p_map - base.p_map);
+  }
 
   Eigen::Vector2d p_base_;
   Eigen::Matrix2d W_;

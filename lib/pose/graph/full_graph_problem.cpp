@@ -4,49 +4,19 @@
 #include <ceres/cost_function.h>
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "geometry/angles.hpp"
 #include "pose/graph/factors.hpp"
 
 namespace orchard::pose {
-namespace {
-
-// Defaults of Ceres.
-constexpr double kFirstRadius = 1e4;
-constexpr double kRadiusMax = 1e16;
-constexpr double kGainMin = 1e-3;        // min fraction of the predicted decrease of the cost
-constexpr double kStepTolerance = 1e-8;  // relative to the norm of the unknowns
-constexpr int kInvalidStepsMax = 5;      // in a row
-
-/// Cauchy loss: cost, and twice its derivative by the squared normalised residual (the weight).
-struct Loss {
-  double cost = 0.0;
-  double slope = 1.0;
-};
-Loss loss_of(double square, bool robust) {
-  if (!robust) return {0.5 * square, 1.0};
-  constexpr double kSquare = kOutlier_sigma * kOutlier_sigma;
-  const double sum = 1.0 + square / kSquare;
-  return {0.5 * kSquare * std::log(sum), 1.0 / sum};
-}
-
-}  // namespace
-
 /// A linearised observation.
 struct FullGraphProblem::LinearisedObservation {
   int column = kHasNoColumn;  ///< block of its pose in the equations
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, 3> by_pose;
   Eigen::Matrix2d by_position;
-};
-
-struct FullGraphProblem::Step {
-  Eigen::VectorXd values;  ///< change of the values
-  double gain = 0.0;       ///< decrease of the cost predicted by the linear model
 };
 
 FullGraphProblem::FullGraphProblem(const SlamGraph& graph, const SlamConfig& config)
@@ -90,14 +60,15 @@ double FullGraphProblem::cost(const Eigen::VectorXd& values, bool robust) const 
     for (std::size_t i = 0; i < at.size(); ++i) at[i] = values.data() + value(factor.blocks[i]);
     Eigen::Vector3d r = Eigen::Vector3d::Zero();
     factor.residual->Evaluate(at.data(), r.data(), nullptr);
-    sum += loss_of(r.squaredNorm(), robust && factor.is_robust).cost;
+    sum += loss_of(r.squaredNorm(), robust && factor.is_robust, kOutlier_sigma).cost;
   }
   for (int l = 0; l < num_landmarks(); ++l) {
     const Eigen::Vector2d p = values.segment<2>(value(landmark_block(l)));
     for (std::size_t s = first_observation_[l]; s < first_observation_[l + 1]; ++s) {
       const ObservationResidual residual(*observations_[s].observation);
-      const Eigen::Vector2d r = residual.at(values.segment<3>(value(observations_[s].keyframe)), p);
-      sum += loss_of(r.squaredNorm(), robust).cost;
+      const Eigen::Vector2d r =
+          residual.at(BasePlacement(values.segment<3>(value(observations_[s].keyframe))), p);
+      sum += loss_of(r.squaredNorm(), robust, kOutlier_sigma).cost;
     }
   }
   return sum;
@@ -116,7 +87,8 @@ void FullGraphProblem::add_factor(const Factor& factor, const Eigen::VectorXd& v
   }
   Eigen::Vector3d all = Eigen::Vector3d::Zero();
   factor.residual->Evaluate(at.data(), all.data(), to.data());
-  const double scale = std::sqrt(loss_of(all.squaredNorm(), robust && factor.is_robust).slope);
+  const double scale =
+      std::sqrt(loss_of(all.squaredNorm(), robust && factor.is_robust, kOutlier_sigma).slope);
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 3, 3>;
   const auto J = [&](std::size_t i) -> Rows {
     return scale * Eigen::Map<const Rows>(derivatives[i].data(), n, sizes[i]);
@@ -142,11 +114,12 @@ FullGraphProblem::linearised_observations(int landmark, const Eigen::VectorXd& v
   const Eigen::Vector2d p = values.segment<2>(value(landmark_block(landmark)));
   const auto add = [&](int keyframe, const SlamObservation& observation) {
     const ObservationResidual residual(observation);
-    const Eigen::Vector3d T = values.segment<3>(value(keyframe));
+    const BasePlacement T(values.segment<3>(value(keyframe)));
     LinearisedObservation sight;
     sight.column = columns_[keyframe];
     sight.residual = residual.at(T, p);
-    const double scale = std::sqrt(loss_of(sight.residual.squaredNorm(), robust).slope);
+    const double scale =
+        std::sqrt(loss_of(sight.residual.squaredNorm(), robust, kOutlier_sigma).slope);
     sight.residual *= scale;
     sight.by_pose = scale * residual.by_pose(T, p);
     sight.by_position = scale * residual.by_position(T);
@@ -220,19 +193,19 @@ void FullGraphProblem::linearise(const Eigen::VectorXd& values, bool robust, dou
   for (int i = 0; i < num; ++i) equations_->add_to_diagonal(i, damping * diagonal_[i]);
 }
 
-std::optional<FullGraphProblem::Step> FullGraphProblem::find_step(const Eigen::VectorXd& values,
-                                                                  bool robust, double damping) {
+std::optional<LeastSquaresStep> FullGraphProblem::find_step(const Eigen::VectorXd& values,
+                                                            bool robust, double damping) {
   linearise(values, robust, damping);
   if (!equations_->factorise()) return std::nullopt;
   const Eigen::VectorXd delta = -equations_->solve(right_);
-  Step step;
-  step.values.setZero(values.size());
+  LeastSquaresStep step;
+  step.change.setZero(values.size());
   double slope = gradient_.dot(delta);
   double damped = damping * delta.dot(diagonal_.cwiseProduct(delta));
   for (int block = 0; block < static_cast<int>(columns_.size()); ++block) {
     const int own = columns_[block];
     if (own < 0) continue;
-    step.values.segment(value(block), equations_->size(own)) =
+    step.change.segment(value(block), equations_->size(own)) =
         delta.segment(equations_->first(own), equations_->size(own));
   }
   for (int l = 0; eliminates_ && l < num_landmarks(); ++l) {
@@ -249,12 +222,12 @@ std::optional<FullGraphProblem::Step> FullGraphProblem::find_step(const Eigen::V
     const Eigen::Vector2d diagonal = H.diagonal();
     H.diagonal() *= 1.0 + damping;
     const Eigen::Vector2d own = -H.inverse() * (g + moved);
-    step.values.segment<2>(value(landmark_block(l))) = own;
+    step.change.segment<2>(value(landmark_block(l))) = own;
     slope += g.dot(own);
     damped += damping * own.dot(diagonal.cwiseProduct(own));
   }
   step.gain = 0.5 * (damped - slope);
-  if (!step.values.allFinite() || !(step.gain > 0.0)) return std::nullopt;
+  if (!step.change.allFinite() || !(step.gain > 0.0)) return std::nullopt;
   return step;
 }
 
@@ -271,34 +244,13 @@ double FullGraphProblem::norm(const Eigen::VectorXd& values) const {
 }
 
 bool FullGraphProblem::solve(bool robust, int iterations_max, double tolerance) {
-  double now = cost(values_, robust);
-  if (!std::isfinite(now)) return false;
-  double radius = kFirstRadius, shrink = 2.0;
-  int num_invalid = 0;
-  for (int i = 0; i < iterations_max; ++i) {
-    const std::optional<Step> step = find_step(values_, robust, 1.0 / radius);
-    if (!step) {
-      if (++num_invalid >= kInvalidStepsMax) return false;
-      radius /= std::exchange(shrink, 2.0 * shrink);
-      continue;
-    }
-    num_invalid = 0;
-    const Eigen::VectorXd there = values_ + step->values;
-    const double then = cost(there, robust);
-    if (step->values.norm() <= kStepTolerance * (norm(values_) + kStepTolerance)) return true;
-    if (std::abs(now - then) <= tolerance * now) return true;
-    const double gained = (now - then) / step->gain;
-    if (gained > kGainMin) {  // false if the cost is NaN
-      values_ = there;
-      now = then;
-      radius =
-          std::min(kRadiusMax, radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gained - 1.0, 3)));
-      shrink = 2.0;
-    } else {
-      radius /= std::exchange(shrink, 2.0 * shrink);
-    }
-  }
-  return true;
+  return minimise(
+      values_, iterations_max, tolerance,
+      [&](const Eigen::VectorXd& values) { return cost(values, robust); },
+      [&](const Eigen::VectorXd& values, double damping) {
+        return find_step(values, robust, damping);
+      },
+      [&](const Eigen::VectorXd& values) { return norm(values); });
 }
 
 bool FullGraphProblem::write_to(SlamGraph& graph) const {

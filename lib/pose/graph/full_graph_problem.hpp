@@ -10,6 +10,7 @@
 
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/graph.hpp"
+#include "pose/graph/levenberg_marquardt.hpp"
 #include "pose/graph/normal_equations.hpp"
 #include "pose/graph/selected_inverse.hpp"
 #include "pose/slam_config.hpp"
@@ -65,7 +66,6 @@ class FullGraphProblem {
     std::array<int, 3> blocks{};  ///< parameter blocks; only the residual's number is used
   };
   struct LinearisedObservation;
-  struct Step;
   /// An observation of a landmark that was observed by at least two keyframes.
   struct LandmarkObservation {
     int keyframe = 0;
@@ -105,7 +105,8 @@ class FullGraphProblem {
   /// by the equations' unknowns and the covariance of what they do not determine.
   void add_position(int landmark, double sign,
                     Eigen::Matrix<double, Eigen::Dynamic, 2>& by_unknowns, Eigen::Matrix2d& own);
-  std::optional<Step> find_step(const Eigen::VectorXd& values, bool robust, double damping);
+  std::optional<LeastSquaresStep> find_step(const Eigen::VectorXd& values, bool robust,
+                                            double damping);
   double norm(const Eigen::VectorXd& values) const;
 
   const SlamGraph& graph_;

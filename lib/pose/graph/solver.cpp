@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/graph/solver.hpp"
 
-#include <ceres/crs_matrix.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,9 +11,9 @@
 #include "geometry/pose2.hpp"
 #include "pose/graph/full_graph_problem.hpp"
 #include "pose/graph/georeference.hpp"
-#include "pose/graph/graph_problem.hpp"
 #include "pose/graph/receiver_model.hpp"
 #include "pose/graph/selected_inverse.hpp"
+#include "pose/graph/window_problem.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;
@@ -33,37 +31,6 @@ constexpr int kBendIterations = 100;
 constexpr double kGraphTolerance = 1e-6;
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
-
-/// Returns the window's information matrix J^T J as a dense matrix, because it is small. `is_used`
-/// selects rows of J (null: all).
-Eigen::MatrixXd information(const ceres::CRSMatrix& J, const std::vector<char>* is_used) {
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(J.num_cols, J.num_cols);
-  for (int row = 0; row < J.num_rows; ++row) {
-    if (is_used != nullptr && (*is_used)[static_cast<std::size_t>(row)] == 0) continue;
-    for (int a = J.rows[row]; a < J.rows[row + 1]; ++a) {
-      for (int b = J.rows[row]; b < J.rows[row + 1]; ++b) {
-        H(J.cols[a], J.cols[b]) += J.values[a] * J.values[b];
-      }
-    }
-  }
-  return H;
-}
-
-/// Schur complement of the landmarks' positions (the unknowns from `num_rest` on). Their part of H
-/// is block-diagonal, because no factor joins two landmarks.
-Eigen::MatrixXd marginalise_landmarks(const Eigen::MatrixXd& H, int num_rest) {
-  const int num_positions = static_cast<int>(H.rows()) - num_rest;
-  if (num_positions == 0) return H;
-  Eigen::MatrixXd B = H.topRightCorner(num_rest, num_positions);
-  for (int l = 0; l < num_positions; l += 2) {
-    const Eigen::Matrix2d C = H.block<2, 2>(num_rest + l, num_rest + l).inverse();
-    const Eigen::Matrix2d root = C.llt().matrixL();
-    B.middleCols<2>(l) = (B.middleCols<2>(l) * root).eval();
-  }
-  Eigen::MatrixXd rest = H.topLeftCorner(num_rest, num_rest);
-  rest.selfadjointView<Eigen::Lower>().rankUpdate(B, -1.0);
-  return rest.selfadjointView<Eigen::Lower>();
-}
 
 /// Returns the covariance of three unknowns from `first` on; none if the information is singular.
 std::optional<Eigen::Matrix3d> marginal(const Eigen::MatrixXd& H, int first) {
@@ -103,14 +70,14 @@ Window window_of(const SlamGraph& graph, int first) {
 
 /// Adds the observations of a landmark by keyframes before the window, their poses fixed, as one
 /// prior on its position.
-void add_older_observations(const PositionSum& older, int landmark, GraphProblem& problem) {
+void add_older_observations(const PositionSum& older, int landmark, WindowProblem& problem) {
   if (older.information.determinant() <= 0.0) return;
   const Eigen::Matrix2d covariance = older.information.inverse();
   problem.add_landmark_prior(landmark, covariance * older.information_m, covariance);
 }
 
 void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior,
-                const SlamConfig& config, GraphProblem& problem) {
+                const SlamConfig& config, WindowProblem& problem) {
   problem.add_calibration_prior(w.first_calibration, prior);
   const Eigen::Vector3d kept = calibration_decay(graph.calibration_walk_sd, config);
   for (int c = w.first_calibration + 1; c <= w.newest_calibration; ++c) {
@@ -133,11 +100,9 @@ void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior
     }
   }
   problem.add_receiver_errors();
-  problem.fix_pose(w.fixed);
   const std::vector<RelativePose>& relative = graph.relative_poses;
   for (auto r = relative.rbegin(); r != relative.rend() && r->to >= w.first; ++r) {
     problem.add_relative_pose(*r, r->from >= w.first);
-    if (r->from < w.fixed) problem.fix_pose(r->from);
   }
   graph.older.start(w.first);
   for (const int l : w.landmarks) add_older_observations(graph.older_sum(l), l, problem);
@@ -145,38 +110,22 @@ void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior
 
 /// Computes the covariances of the newest keyframe; `solved` is false if the information is
 /// singular.
-WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphProblem& problem) {
-  std::vector<double*> blocks;
-  for (int k = w.first; k <= w.newest; ++k) blocks.push_back(problem.pose(k));
-  const int newest_column = 3 * (w.newest - w.first);
-  for (int c = w.first_calibration; c <= w.newest_calibration; ++c) {
-    blocks.push_back(problem.calibration(c));
-  }
-  const std::vector<double*> errors = problem.receiver_errors();
-  const int num_rest = static_cast<int>(3 * blocks.size() + 2 * errors.size());
-  blocks.insert(blocks.end(), errors.begin(), errors.end());
-  for (const int l : w.landmarks) blocks.push_back(problem.position(l));
-  const ceres::CRSMatrix J = problem.jacobian(blocks);
-  const auto reduced = [&](const std::vector<char>* is_used) {
-    return marginalise_landmarks(information(J, is_used), num_rest);
-  };
+WindowSolution window_covariances(const Window& w, const Keyframe& first, WindowProblem& problem) {
+  const auto row = [&](int keyframe) { return problem.pose_row(keyframe); };
   WindowSolution solution;
-  const std::optional<Eigen::Matrix3d> local = marginal(reduced(nullptr), newest_column);
+  const std::optional<Eigen::Matrix3d> local =
+      marginal(problem.information(WindowProblem::Evidence::kAll), row(w.newest));
   if (!local) return solution;
   solution.solved = true;
   solution.local_covariance = *local;
   if (w.newest == w.first) return solution;
-  const auto indices = [](int pose_column, int calibration_column) {
-    return JointIndices{pose_column,        pose_column + 1,        pose_column + 2,
-                        calibration_column, calibration_column + 1, calibration_column + 2};
+  const auto indices = [&](int keyframe, int calibration) {
+    const int p = row(keyframe), c = problem.calibration_row(calibration);
+    return JointIndices{p, p + 1, p + 2, c, c + 1, c + 2};
   };
-  const int calibration_column = newest_column + 3;
-  const int newest_calibration_column =
-      calibration_column + 3 * (w.newest_calibration - w.first_calibration);
-  const std::vector<char> is_measured = problem.measured_rows();
-  solution.in_map = after_measurements(joint_covariance(first), reduced(&is_measured),
-                                       indices(0, calibration_column),
-                                       indices(newest_column, newest_calibration_column));
+  solution.in_map = after_measurements(
+      joint_covariance(first), problem.information(WindowProblem::Evidence::kOwnMeasurements),
+      indices(w.first, w.first_calibration), indices(w.newest, w.newest_calibration));
   return solution;
 }
 
@@ -248,19 +197,12 @@ WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior&
                             const SlamConfig& config) {
   if (graph.keyframes.size() < 2) return {};
   const Window window = window_of(graph, first);
-  Unknowns unknowns(graph);
-  GraphProblem problem(graph, unknowns, true);
+  WindowProblem problem(graph, window.first);
   add_window(graph, window, prior, config, problem);
-  const ceres::LinearSolverType type =
-      window.landmarks.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
-  if (!problem.solve(type, kWindowIterations, kWindowTolerance) || !unknowns.poses_are_finite()) {
-    return {};
-  }
+  if (!problem.solve(kWindowIterations, kWindowTolerance)) return {};
   const WindowSolution solution =
       window_covariances(window, graph.keyframes[window.first], problem);
-  if (!solution.solved) return {};
-  unknowns.wrap_yaws();
-  unknowns.write_to(graph);
+  if (!solution.solved || !problem.write_to(graph)) return {};
   return solution;
 }
 

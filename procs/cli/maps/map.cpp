@@ -185,6 +185,7 @@ int run_map(const MapOptions& options) {
   const std::string derived_path = options.out_folder + "/derived.lcm";
   std::optional<io::LogWriter> derived;
   if (!options.no_derived) derived.emplace(derived_path);
+  pipeline.mapper.set_has_readers(derived.has_value());
 
   ScanTimer timer;
   bus::ReplayOptions replay;

@@ -33,8 +33,9 @@ std::vector<Landmark> orchard_of(int num_rows, int num_trees, std::mt19937& rand
     Landmark l;
     l.id = i + 1;
     l.label = i % 13 == 5 ? Label::kObject : Label::kTree;
+    const int row = i / num_trees;
     l.x_m = 2.0 * (i % num_trees) + scatter(random);
-    l.y_m = 4.0 * (i / num_trees) + scatter(random);
+    l.y_m = 4.0 * row + scatter(random);
     l.num_observations = 9;
     l.width_m = 0.1;
     if (l.label == Label::kTree) l.row = i / num_trees + 1, l.position = i % num_trees + 1;

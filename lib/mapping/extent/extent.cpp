@@ -17,6 +17,16 @@ bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
          log_odds_of_tree(r.log_odds, r.num_observations, config) < kSurelyNone;
 }
 
+/// Whether a landmark is part of the clump in whose extent it lies whole. What is certainly no tree
+/// already is where the borders touch; within the clump it is enough that it is rather none, as for
+/// a detection.
+bool is_inside(const LandmarkRecord& r, const LandmarkRecord& clump, double distance_m,
+               const MapperConfig& config) {
+  return clump.is_clump && is_surely_no_tree(clump, config) &&
+         distance_m + extent_radius_m(r) < extent_radius_m(clump) &&
+         label_of(r, config) != detection::Label::kTree && probability_of_tree(r, config) < 0.5;
+}
+
 }  // namespace
 
 bool looks_like_a_tree(const detection::Detection& d) {
@@ -33,23 +43,27 @@ double extent_radius_m(const LandmarkRecord& r) {
 std::int32_t touching_clump(const LandmarkTable& landmarks, std::int32_t index,
                             const MapperConfig& config) {
   const LandmarkRecord& r = landmarks[index];
-  if (!is_surely_no_tree(r, config)) return -1;
+  if (label_of(r, config) == detection::Label::kTree) return -1;
+  const bool is_none = is_surely_no_tree(r, config);
   const double radius_m = extent_radius_m(r);
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
-  landmarks.near(r.association_position(), radius_m + kTouch_m + 0.5 * config.object_width_max_m,
-                 [&](std::int32_t i, const LandmarkRecord& other) {
-                   if (i == index || !is_surely_no_tree(other, config)) return;
-                   const double other_m = extent_radius_m(other);
-                   const double distance_m =
-                       (other.association_position() - r.association_position()).norm();
-                   if (distance_m + radius_m + other_m > config.object_width_max_m) return;
-                   const double gap_m = distance_m - radius_m - other_m;
-                   if (gap_m > best_gap_m || (gap_m == best_gap_m && (best < 0 || i > best)))
-                     return;
-                   best_gap_m = gap_m;
-                   best = i;
-                 });
+  landmarks.near(
+      r.association_position(), radius_m + kTouch_m + 0.5 * config.object_width_max_m,
+      [&](std::int32_t i, const LandmarkRecord& other) {
+        if (i == index) return;
+        const double other_m = extent_radius_m(other);
+        const double distance_m = (other.association_position() - r.association_position()).norm();
+        if (!(is_none && is_surely_no_tree(other, config)) &&
+            !is_inside(r, other, distance_m, config) && !is_inside(other, r, distance_m, config)) {
+          return;
+        }
+        if (distance_m + radius_m + other_m > config.object_width_max_m) return;
+        const double gap_m = distance_m - radius_m - other_m;
+        if (gap_m > best_gap_m || (gap_m == best_gap_m && (best < 0 || i > best))) return;
+        best_gap_m = gap_m;
+        best = i;
+      });
   return best;
 }
 

@@ -33,6 +33,9 @@ class FullGraphProblem {
   FullGraphProblem(const SlamGraph& graph, const SlamConfig& config);
   ~FullGraphProblem();
 
+  /// Number of multiplications that the factorisation of each iteration takes.
+  double factor_work() { return equations_->factor_work(); }
+
   /// Solves the problem; returns false if it failed. `robust`: all factors but odometry and
   /// calibration get a robust loss (Cauchy).
   bool solve(bool robust, int iterations_max, double tolerance);

@@ -90,12 +90,19 @@ const NormalEquations::Below& NormalEquations::find(int a, int b) const {
   return *at;
 }
 
-bool NormalEquations::factorise() {
+/// Returns the factor, whose pattern does not change.
+Ldlt& NormalEquations::analysed_factor() {
   if (!factor_) {
     factor_ = std::make_unique<Ldlt>();
     factor_->analyzePattern(H_);
   }
-  factor_->factorize(H_);
+  return *factor_;
+}
+
+double NormalEquations::factor_work() { return analysed_factor().work(); }
+
+bool NormalEquations::factorise() {
+  analysed_factor().factorize(H_);
   return factor_->info() == Eigen::Success && (factor_->vectorD().array() > 0.0).all();
 }
 

@@ -48,6 +48,8 @@ class NormalEquations {
     H_.valuePtr()[H_.outerIndexPtr()[unknown]] += value;
   }
 
+  /// Number of multiplications that each factorise() takes.
+  double factor_work();
   /// Factorises H; returns false if it is not positive definite.
   bool factorise();
   /// Returns H^-1 times a vector; call after factorise().
@@ -62,6 +64,7 @@ class NormalEquations {
     int offset = 0;  ///< of its first row, counted below the diagonal block of the column
   };
   const Below& find(int a, int b) const;
+  Ldlt& analysed_factor();
 
   template <class Block>
   void add_below(int a, int b, const Block& block) {

@@ -15,6 +15,8 @@ class Ldlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lo
  public:
   /// L without its unit diagonal.
   Eigen::SparseMatrix<double>& lower() { return m_matrix; }
+  /// Number of multiplications of a factorisation; call after analyzePattern().
+  double work() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
 };
 
 /// Selected inverse of a sparse, symmetric, positive definite matrix: only the entries of the

@@ -32,6 +32,14 @@ constexpr double kGraphTolerance = 1e-6;
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
 
+/// Returns the number of entries that the observations take in the matrix of the whole graph, if
+/// landmarks stay unknowns: six each, of a position by a pose.
+std::size_t num_coupled_entries(const SlamGraph& graph) {
+  std::size_t num = 0;
+  for (const Keyframe& k : graph.keyframes) num += 6 * k.observations.size();
+  return num;
+}
+
 /// Returns the covariance of three unknowns from `first` on; none if the information is singular.
 std::optional<Eigen::Matrix3d> marginal(const Eigen::MatrixXd& H, int first) {
   const Eigen::LLT<Eigen::MatrixXd> factor(H);
@@ -206,14 +214,23 @@ WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior&
   return solution;
 }
 
-GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config) {
+GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config,
+                          const SolveLimits& limits) {
   GraphSolution solution;
   if (graph.keyframes.size() < 2) {
     solution.solved = true;
     return solution;
   }
+  if (num_coupled_entries(graph) > limits.num_entries) {
+    solution.is_beyond_limits = true;
+    return solution;
+  }
   graph.receiver = estimate_receiver_model(graph);
   FullGraphProblem problem(graph, config);
+  if (std::isfinite(limits.factor_work) && problem.factor_work() > limits.factor_work) {
+    solution.is_beyond_limits = true;
+    return solution;
+  }
   if (after_closure) {
     const int iterations = graph.landmarks.empty() ? kBendIterations : kClosureIterations;
     if (!problem.solve(false, iterations, kGraphTolerance)) return solution;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -28,8 +30,16 @@ struct WindowSolution {
 WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
                             const SlamConfig& config);
 
+/// What the solve of a graph may cost. Both are predicted from the graph.
+struct SolveLimits {
+  std::size_t num_entries = std::numeric_limits<std::size_t>::max();  ///< of the matrix: its memory
+  /// Multiplications of one factorisation of the matrix: the time of an iteration.
+  double factor_work = std::numeric_limits<double>::infinity();
+};
+
 struct GraphSolution {
-  bool solved = false;  ///< false: poses, landmarks and calibrations are unchanged
+  bool solved = false;            ///< false: poses, landmarks and calibrations are unchanged
+  bool is_beyond_limits = false;  ///< not tried
   /// Covariance of the newest odometry calibration; none if the information is singular.
   std::optional<Eigen::Matrix3d> calibration_covariance;
 };
@@ -37,7 +47,8 @@ struct GraphSolution {
 /// Solves for all poses, landmarks and calibrations; also writes the covariances of the poses, the
 /// receiver model and the learnt calibration_walk_sd. `after_closure`: solves first without the
 /// robust loss, which would treat the new closure as an outlier.
-GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config);
+GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config,
+                          const SolveLimits& limits = {});
 
 /// Returns the covariance in map of each pair's second position minus its first [m2], by all
 /// measurements of a solved graph; none if the information is singular. All landmarks of the pairs

@@ -28,8 +28,11 @@ constexpr double kPlacementTravel_m = 5.0;
 /// Larger graphs are solved by submaps while driving, to limit the delay.
 constexpr int kFineSolveKeyframes = 500;
 
-/// The same limit for the solve at the end of the drive, where the delay matters less.
-constexpr int kFinalSolveKeyframes = 20000;
+/// Limits of the same at the end of the drive, where the delay matters less. A solve takes the time
+/// of some 16 factorisations, and a keyframe while driving that of 4e7 multiplications: the end
+/// takes a quarter of the drive at most. The matrix takes 12 bytes an entry: 16 MiB.
+constexpr double kFinalWork_per_keyframe = 6e5;
+constexpr std::size_t kFinalEntriesMax = (std::size_t{16} << 20) / 12;
 
 // Min growth of the graph between solves for absolute positions, as a fraction and in keyframes:
 // a solve for each position would cost quadratically in the length of the drive.
@@ -98,19 +101,19 @@ int SlamMap::add_landmark(const ScanPoint& point) {
 
 bool SlamMap::solve(SolveReason reason, const std::function<bool(const SlamGraph&)>& accept) {
   num_solved = static_cast<int>(graph.keyframes.size());
-  const auto num_landmarks =
-      std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
-                    [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
   const bool is_closure =
       reason == SolveReason::kLoopClosure || reason == SolveReason::kDuplicatesAtEnd;
   const bool is_end = reason == SolveReason::kEndOfDrive || reason == SolveReason::kDuplicatesAtEnd;
-  const bool by_keyframes =
-      num_solved <= kFineSolveKeyframes ||
-      (is_end && num_solved <= kFinalSolveKeyframes && 5 * num_landmarks <= kFinalSolveKeyframes);
   GraphSolution solution;
-  if (by_keyframes) {
+  if (num_solved <= kFineSolveKeyframes) {
     solution = solve_graph(graph, is_closure, config_);
+  } else if (is_end) {
+    solution = solve_graph(graph, is_closure, config_,
+                           {kFinalEntriesMax, kFinalWork_per_keyframe * num_solved});
   } else {
+    solution.is_beyond_limits = true;
+  }
+  if (solution.is_beyond_limits) {
     SubmapGraph submaps = submaps_of(graph, config_);
     solution = solve_graph(submaps.graph, is_closure, config_);
     if (solution.solved) back_substitute(submaps, graph);

@@ -47,6 +47,17 @@ void fill(std::uint64_t seed, Equations& equations) {
   }
 }
 
+TEST(NormalEquations, PredictTheWorkOfTheirFactor) {
+  // Dense in any order: columns with 4, 3, 2, 1, 0 entries below the diagonal.
+  NormalEquations dense({3, 2});
+  dense.couple(0, 1);
+  dense.finish();
+  EXPECT_DOUBLE_EQ(dense.factor_work(), 16.0 + 9.0 + 4.0 + 1.0);
+  NormalEquations apart({3, 2});
+  apart.finish();
+  EXPECT_DOUBLE_EQ(apart.factor_work(), 4.0 + 1.0 + 1.0);
+}
+
 TEST(NormalEquations, AreSolvedAndInvertedAsTheDenseOnes) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Equations equations;

@@ -98,6 +98,31 @@ TEST(SlamSolver, AWindowOfTheWholeGraphIsTheWholeGraph) {
   }
 }
 
+TEST(SlamSolver, AGraphBeyondItsLimitsIsLeftAsItWas) {
+  const SlamConfig config;
+  const SlamGraph before = curve_past_trunks(1);
+  std::size_t num_observations = 0;
+  for (const Keyframe& k : before.keyframes) num_observations += k.observations.size();
+  SolveLimits little_memory, little_time, enough;
+  little_memory.num_entries = 6 * num_observations - 1;
+  little_time.factor_work = 100.0;  // less than that of three dense poses
+  enough.num_entries = 6 * num_observations;
+  enough.factor_work = 38 * 38 * 38 / 3.0;  // a dense matrix of 12 poses and a calibration
+  for (const SolveLimits& limits : {little_memory, little_time}) {
+    SlamGraph graph = before;
+    const GraphSolution solution = solve_graph(graph, false, config, limits);
+    EXPECT_TRUE(solution.is_beyond_limits);
+    EXPECT_FALSE(solution.solved);
+    for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
+      EXPECT_EQ(graph.keyframes[k].T_map_base, before.keyframes[k].T_map_base) << "keyframe " << k;
+    }
+  }
+  SlamGraph graph = before;
+  const GraphSolution solution = solve_graph(graph, false, config, enough);
+  EXPECT_FALSE(solution.is_beyond_limits);
+  EXPECT_TRUE(solution.solved);
+}
+
 TEST(SlamSolver, AWindowThatIsNotSolvedLeavesTheGraphAsItWas) {
   // One trunk tells two of three numbers of a pose: with motions that say nothing, whether the
   // information can be inverted at all is a matter of rounding.

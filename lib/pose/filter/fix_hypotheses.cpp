@@ -13,10 +13,14 @@
 namespace orchard::pose {
 namespace {
 
-/// Fraction of the time with displaced positions, and mean duration of one displacement [s]: a
-/// vehicle passes a wall or a tree that reflects a signal within seconds.
-constexpr double kDisplacedFraction = 0.05;
+/// Mean duration of one displacement [s]: a vehicle passes a wall or a tree that reflects a signal
+/// within seconds.
 constexpr double kDisplacedFor_s = 10.0;
+
+/// Beta prior of the fraction of displaced positions, in looks: weak, so that a drive under open
+/// sky or between walls soon has its own.
+constexpr double kDisplacedLooks = 1.0;
+constexpr double kLooks = 20.0;
 
 /// Standard deviation of a displacement per axis [m]: an additional path of a signal is a fraction
 /// of a chip of 293 m (Kaplan and Hegarty 2006, section 6.2); a larger one found is its own scale.
@@ -36,7 +40,7 @@ constexpr double kMovedEvery_s = 5e3;
 /// A direct position that deviates less needs no such explanation [standard deviations].
 constexpr double kMoved_sigma = 4.0;
 
-constexpr std::size_t kHypothesesMax = 12;
+constexpr std::size_t kHypothesesMax = 48;
 
 /// A hypothesis with less than a millionth of the best's weight is dropped.
 constexpr double kLogWeightMin = -14.0;
@@ -44,8 +48,13 @@ constexpr double kLogWeightMin = -14.0;
 /// Hypotheses whose poses differ by less are one [squared standard deviations].
 constexpr double kSame2 = 0.1;
 
-/// Headings of a split: half a slot is a standard deviation that linearises well.
+/// Headings of a split. With half a slot as standard deviation, linearising the heading adds
+/// 0.75 (pi / 8)^2, a ninth, to the variance of a fix by the time that fixes give the heading as
+/// well; and equal Gaussians two standard deviations apart are uniform to 2 %.
 constexpr int kHeadings = 8;
+
+/// Variance of a heading of which nothing is known [rad2].
+constexpr double kUniform = geometry::kPi * geometry::kPi / 3.0;
 
 enum class Event { kGoesOn, kBegins, kEnds, kMoves };
 
@@ -57,6 +66,11 @@ struct Branch {
   double yaw_variance = 0.0;  ///< of the unmeasured turn [rad2]
 };
 
+/// Returns the mean fraction of displaced positions that a history has shown.
+double displaced_fraction(const FixHypotheses::Hypothesis& h) {
+  return (kDisplacedLooks + h.displaced_looks) / (kLooks + h.looks);
+}
+
 bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesis& b) {
   if (a.is_displaced != b.is_displaced) return false;
   Eigen::Vector3d off = b.filter.mean().head<3>() - a.filter.mean().head<3>();
@@ -65,10 +79,36 @@ bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesi
   return off.dot(P.ldlt().solve(off)) < kSame2;
 }
 
+/// Splits a hypothesis with an uncorrelated heading into several, if it is wider than a slot.
+void split_heading(FixHypotheses::Hypothesis h, std::vector<FixHypotheses::Hypothesis>& out) {
+  constexpr double kSlot_rad = 2.0 * geometry::kPi / kHeadings;
+  const double yaw_rad = h.filter.mean().z(), yaw_variance = h.filter.covariance()(2, 2);
+  if (yaw_variance <= geometry::square(kSlot_rad)) {
+    out.push_back(std::move(h));
+    return;
+  }
+  // The mean first: of equals it is the likeliest.
+  std::vector<double> offs_rad, log_densities;
+  double sum = 0.0;
+  for (int i = 0; i < kHeadings; ++i) {
+    offs_rad.push_back(kSlot_rad * (i % 2 == 0 ? -(i / 2) : i / 2 + 1));
+    log_densities.push_back(
+        yaw_variance < kUniform ? -0.5 * geometry::square(offs_rad.back()) / yaw_variance : 0.0);
+    sum += std::exp(log_densities.back());
+  }
+  for (std::size_t i = 0; i < offs_rad.size(); ++i) {
+    FixHypotheses::Hypothesis heading = h;
+    heading.filter.set_heading(yaw_rad + offs_rad[i], geometry::square(0.5 * kSlot_rad));
+    heading.log_weight += log_densities[i] - std::log(sum);
+    out.push_back(std::move(heading));
+  }
+}
+
 }  // namespace
 
 FixHypotheses::FixHypotheses(const FusionConfig& config) {
-  all_.push_back({FusionFilter(config), 0.0, false, {}, 0.0});
+  Hypothesis first{FusionFilter(config), 0.0, false, {}, 0.0, 0.0, 0.0};
+  all_.push_back(std::move(first));
 }
 
 double FixHypotheses::best_weight() const {
@@ -85,52 +125,42 @@ void FixHypotheses::move(const MotionStep& step) {
   travel_m_ += std::abs(step.speed_mps) * step.dt_s;
 }
 
-void FixHypotheses::keep_best() {
-  all_.resize(1, all_.front());
-  all_.front().log_weight = 0.0;
-}
-
 void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
                           std::int64_t utime, bool is_gnss) {
-  keep_best();
+  all_.resize(1, all_.front());
   Hypothesis& direct = all_.front();
   direct.filter.place(x_y_yaw, covariance);
   direct.filter.reset_receiver_error();
-  direct.log_weight = std::log(1.0 - kDisplacedFraction);
+  const double fraction = displaced_fraction(direct);
+  direct.log_weight = std::log(1.0 - fraction);
   Hypothesis displaced = direct;
-  displaced.log_weight = std::log(kDisplacedFraction);
+  displaced.log_weight = std::log(fraction);
   displaced.is_displaced = true;
-  displaced.displaced.push_back({0, utime, is_gnss});
+  displaced.displaced.push_back({utime, utime, is_gnss});
   displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
   displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
   all_.push_back(std::move(displaced));
 }
 
+void FixHypotheses::start(const PositionObservation& observation, std::int64_t utime) {
+  const double fix = observation.covariance.diagonal().maxCoeff() +
+                     all_.front().filter.receiver_variance() + observation.p_base_m.squaredNorm();
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+  P.diagonal() << fix, fix, kUniform;
+  place({observation.p_map_m.x(), observation.p_map_m.y(), 0.0}, P, utime, observation.is_gnss);
+  std::vector<Hypothesis> next;
+  for (Hypothesis& h : all_) split_heading(std::move(h), next);
+  all_ = std::move(next);
+  position_utime_ = utime;
+}
+
 void FixHypotheses::split_unknown_headings(double variance) {
-  constexpr double kSlot_rad = 2.0 * geometry::kPi / kHeadings;
-  constexpr double kUniform = geometry::kPi * geometry::kPi / 3.0;
   std::vector<Hypothesis> next;
   for (Hypothesis& h : all_) {
-    const bool is_unknown = h.filter.decorrelate_unknown_heading(variance);
-    const double yaw_rad = h.filter.mean().z(), yaw_variance = h.filter.covariance()(2, 2);
-    if (!is_unknown || yaw_variance <= geometry::square(kSlot_rad)) {
+    if (h.filter.decorrelate_unknown_heading(variance)) {
+      split_heading(std::move(h), next);
+    } else {
       next.push_back(std::move(h));
-      continue;
-    }
-    // The mean first: of equals it is the likeliest.
-    std::vector<double> offs_rad, log_densities;
-    double sum = 0.0;
-    for (int i = 0; i < kHeadings; ++i) {
-      offs_rad.push_back(kSlot_rad * (i % 2 == 0 ? -(i / 2) : i / 2 + 1));
-      log_densities.push_back(
-          yaw_variance < kUniform ? -0.5 * geometry::square(offs_rad.back()) / yaw_variance : 0.0);
-      sum += std::exp(log_densities.back());
-    }
-    for (std::size_t i = 0; i < offs_rad.size(); ++i) {
-      Hypothesis heading = h;
-      heading.filter.set_heading(yaw_rad + offs_rad[i], geometry::square(0.5 * kSlot_rad));
-      heading.log_weight += log_densities[i] - std::log(sum);
-      next.push_back(std::move(heading));
     }
   }
   std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
@@ -144,11 +174,6 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
       position_utime_ ? std::max(0.0, timing::seconds(utime - *position_utime_)) : 0.0;
   position_utime_ = utime;
   const double since_m = std::exchange(travel_m_, 0.0);
-  // The chain forgets its state in the time of a displacement.
-  const double forgotten =
-      1.0 - std::exp(-since_s / (kDisplacedFor_s * (1.0 - kDisplacedFraction)));
-  const double begins = kDisplacedFraction * forgotten;
-  const double ends = (1.0 - kDisplacedFraction) * forgotten;
   PositionObservation direct = observation;
   direct.is_displaced = false;
   PositionObservation displaced = observation;
@@ -157,6 +182,11 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
   std::vector<Branch> branches;
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const Hypothesis& h = all_[i];
+    // The chain forgets its state in the time of a displacement.
+    const double fraction = displaced_fraction(h);
+    const double forgotten = 1.0 - std::exp(-since_s / (kDisplacedFor_s * (1.0 - fraction)));
+    const double begins = fraction * forgotten;
+    const double ends = (1.0 - fraction) * forgotten;
     const bool other = h.is_displaced && h.displaced.back().is_gnss != observation.is_gnss;
     const auto add = [&](Event event, double probability, double log_likelihood, double variance,
                          double yaw_variance = 0.0) {
@@ -186,8 +216,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     const double moves = 1.0 - std::exp(-since_s / kMovedEvery_s);
     const double shift2 = geometry::square(off_m);
     add(Event::kMoves, moves, h.filter.log_likelihood(direct, shift2), shift2);
-    add(Event::kMoves, moves, h.filter.log_likelihood(direct, variance), variance,
-        geometry::square(geometry::kPi) / 3.0);
+    add(Event::kMoves, moves, h.filter.log_likelihood(direct, variance), variance, kUniform);
   }
   std::stable_sort(branches.begin(), branches.end(),
                    [](const Branch& a, const Branch& b) { return a.log_weight > b.log_weight; });
@@ -215,7 +244,10 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
         break;
     }
     const bool is_displaced = h.is_displaced && h.displaced.back().is_gnss == observation.is_gnss;
+    const double look = 1.0 - std::exp(-since_s / kDisplacedFor_s);
+    h.looks += look;
     if (is_displaced) {
+      h.displaced_looks += look;
       h.displaced.back().end_utime = utime;
     } else {
       h.travel_m = 0.0;

@@ -22,7 +22,8 @@ struct DisplacedTime {
 /// A position is direct or displaced by an unknown constant; a Markov chain switches between both.
 /// With each position every history branches, and the likeliest are kept, so that later positions
 /// decide about earlier ones. A further, unlikely branch is that the robot was moved or its wheels
-/// slipped beyond what the filter models. Source: Ackerson and Fu 1970, On state estimation in
+/// slipped beyond what the filter models. How often positions are displaced is learnt by each
+/// history. Source: Ackerson and Fu 1970, On state estimation in
 /// switching environments. A heading that a gap made unknown is a sum of Gaussians, one hypothesis
 /// each. Source: Alspach and Sorenson 1972, Nonlinear Bayesian estimation using Gaussian sums.
 class FixHypotheses {
@@ -33,6 +34,8 @@ class FixHypotheses {
     bool is_displaced = false;
     std::vector<DisplacedTime> displaced;  ///< ascending
     double travel_m = 0.0;                 ///< since the last direct position
+    double looks = 0.0;                    ///< independent looks at whether positions are displaced
+    double displaced_looks = 0.0;
   };
 
   explicit FixHypotheses(const FusionConfig& config);
@@ -47,12 +50,12 @@ class FixHypotheses {
 
   void move(const MotionStep& step);
 
+  /// Starts at a first position, its heading unknown: direct or displaced, in several headings.
+  void start(const PositionObservation& observation, std::int64_t utime);
+
   /// Adds the first pose: all positions until now were direct, or displaced by one constant.
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance, std::int64_t utime,
              bool is_gnss);
-
-  /// Drops all but the likeliest.
-  void keep_best();
 
   /// Splits hypotheses whose heading is too uncertain to linearise, for fixes of this variance
   /// [m2], into several headings. Call before correct().

@@ -29,8 +29,9 @@ constexpr double kWarnSd_m = 0.5;
 /// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
 constexpr double kFixStep_s = 2.0;
 
-/// Min probability of the likeliest hypothesis for the smoothed path to replace it.
-constexpr double kSureOfFixes = 0.9;
+/// Poses are told once the heading is known to this standard deviation [rad]: enough for the solver
+/// of the smoothed path to converge.
+constexpr double kStartYawSd_rad = 1.0 / 6.0;
 
 constexpr double kImuFresh_s = 0.2;
 constexpr double kStandingSpeed_mps = 1e-3;
@@ -42,9 +43,10 @@ constexpr double kNoteShown_s = 5.0;
 Fusion::Fusion(const PoseConfig& config)
     : config_(config),
       hypotheses_(config.fusion),
+      local_(config.fusion),
       positions_(config.gnss),
-      heading_initialiser_(config.heading_baseline_m),
-      is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {
+      is_started_(!config.fusion.use_gnss && !config.fusion.use_fixes),
+      is_placed_(is_started_) {
   if (!is_placed_) smoother_.emplace(config);
 }
 
@@ -75,15 +77,14 @@ void Fusion::add(const Odometry& odometry) {
   }
   odometry_ = odometry;
   if (smoother_) {
-    smoother_->add(last_measured_motion(), filter().mean().head<3>());
+    smoother_->add(last_measured_motion(), path_pose());
     if (const auto pose = smoother_->observe(hypotheses_.best().displaced)) {
       // With an IMU the turns come from the gyro and do not show the wheels' errors.
       const auto changes = smoother_->wheel_error_noise();
       for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
         if (changes && !config_.fusion.use_imu) h.filter.set_wheel_error_noise(*changes);
       }
-      if (!is_displaced() && hypotheses_.best_weight() > kSureOfFixes) {
-        hypotheses_.keep_best();
+      if (!is_displaced()) {
         hypotheses_.all().front().filter.set_smoothed_pose(pose->T_map_base, pose->covariance,
                                                            pose->receiver_error_m);
       }
@@ -160,47 +161,53 @@ void Fusion::set_receiver_noise(PositionObservation& observation) {
 }
 
 void Fusion::use_position(const PositionObservation& observation) {
-  if (!is_placed_) {
-    const auto frame =
-        heading_initialiser_.add(filter().p_map_m(observation.p_base_m), observation.p_map_m,
-                                 observation.covariance.diagonal().maxCoeff());
-    if (frame) start(*frame, observation.is_gnss);
+  if (!is_started_) {
+    is_started_ = true;
+    first_local_m_ = local_.p_map_m(observation.p_base_m);
+    hypotheses_.start(observation, *utime_);
     return;
   }
   const double claimed =
       observation.covariance.diagonal().maxCoeff() + filter().receiver_variance();
   hypotheses_.split_unknown_headings(claimed);
   hypotheses_.correct(observation, *utime_);
-  if (!is_displaced()) return;
+  if (!is_placed_) start(observation);
+  if (!is_placed_ || !is_displaced()) return;
   const DisplacedTime& displaced = hypotheses_.best().displaced.back();
   note(fmt::format("{} {:.1f} m from any possible position of the robot: ignored for {:.1f} s",
                    displaced.is_gnss ? "GNSS is" : "POSE_FIX is", filter().off_m(observation),
                    timing::seconds(*utime_ - displaced.begin_utime)));
 }
 
-void Fusion::start(const LocalFrame& frame, bool is_gnss) {
-  const Eigen::Vector3d local = filter().mean().head<3>();
-  const Eigen::Vector3d in_map = geometry::compose(frame.x_y_yaw, local);
-  // The position is known best at the centre of the points; at base the heading's error adds.
-  const Eigen::Vector2d arm =
-      geometry::rotation(frame.x_y_yaw.z()) * (local.head<2>() - frame.centre_local_m);
-  const Eigen::Vector2d by_yaw(-arm.y(), arm.x());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  covariance.topLeftCorner<2, 2>() =
-      (frame.position_variance + filter().receiver_variance()) * Eigen::Matrix2d::Identity() +
-      frame.yaw_variance * by_yaw * by_yaw.transpose();
-  covariance.topRightCorner<2, 1>() = frame.yaw_variance * by_yaw;
-  covariance.bottomLeftCorner<1, 2>() = covariance.topRightCorner<2, 1>().transpose();
-  covariance(2, 2) = frame.yaw_variance;
-  place(in_map, covariance, is_gnss);
+/// Begins to tell poses once the positions give the heading.
+void Fusion::start(const PositionObservation& observation) {
+  const Eigen::Vector3d local = local_.mean().head<3>();
+  const double moved_m = (local_.p_map_m(observation.p_base_m) - *first_local_m_).norm();
+  const double yaw_variance = hypotheses_.estimate(*utime_).covariance[5];
+  if (moved_m < config_.heading_baseline_m || yaw_variance > geometry::square(kStartYawSd_rad)) {
+    return;
+  }
+  is_placed_ = true;
+  smoother_->place(geometry::compose(filter().mean().head<3>(),
+                                     geometry::between(local, Eigen::Vector3d::Zero())));
 }
 
 void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
                    bool is_gnss) {
-  const Eigen::Vector3d local = filter().mean().head<3>();
-  smoother_->place(geometry::compose(x_y_yaw, geometry::between(local, Eigen::Vector3d::Zero())));
+  smoother_->place(
+      geometry::compose(x_y_yaw, geometry::between(path_pose(), Eigen::Vector3d::Zero())));
   hypotheses_.place(x_y_yaw, covariance, utime_.value_or(0), is_gnss);
-  is_placed_ = true;
+  is_started_ = is_placed_ = true;
+}
+
+/// Returns the pose for the smoothed path, dead-reckoned before the pose in map is known.
+Eigen::Vector3d Fusion::path_pose() const {
+  return (is_placed_ ? filter() : local_).mean().head<3>();
+}
+
+void Fusion::move(const MotionStep& step) {
+  hypotheses_.move(step);
+  if (!is_placed_) local_.move(step);
 }
 
 void Fusion::smooth(const PositionObservation& observation, std::optional<double> yaw_rad,
@@ -213,7 +220,7 @@ void Fusion::smooth(const PositionObservation& observation, std::optional<double
   position.has_yaw = yaw_rad.has_value();
   position.yaw_rad = yaw_rad.value_or(0.0);
   position.yaw_sd_rad = yaw_sd_rad;
-  smoother_->add(*utime_, position, filter().mean().head<3>());
+  smoother_->add(*utime_, position, path_pose());
 }
 
 /// Returns the last odometry, with the gyro's yaw rate if it is fresh.
@@ -300,7 +307,7 @@ void Fusion::move_to(std::int64_t utime) {
     turn.yaw_rate_radps = imu_->angular_rate_radps[2];
     turn.yaw_rate_sd_radps = config_.fusion.gyro_sd_radps;
     turn.is_gyro = true;
-    hypotheses_.move(turn);
+    move(turn);
   }
   note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot is unknown", silent_s));
   utime_ = utime;
@@ -326,7 +333,7 @@ void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps
     step.yaw_rate_sd_radps =
         states_covariance ? std::sqrt(covariance[2]) : config_.yaw_rate_sd_radps;
   }
-  hypotheses_.move(step);
+  move(step);
   travel_m_ += std::abs(speed_mps) * step.dt_s;
   utime_ = utime;
 }

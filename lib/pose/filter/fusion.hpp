@@ -7,7 +7,6 @@
 #include "pose/filter/fix_hypotheses.hpp"
 #include "pose/filter/gnss_monitor.hpp"
 #include "pose/filter/gnss_positions.hpp"
-#include "pose/filter/heading_initialiser.hpp"
 #include "pose/filter/path_smoother.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
@@ -18,7 +17,7 @@ namespace orchard::pose {
 ///
 /// Map is the east-north plane of the GNSS datum; POSE_FIX must be in this frame, too. Without GNSS
 /// and fixes the robot starts at the map's origin. With them there is no pose until the first fix
-/// with a heading, or until the dead-reckoned path fits the positions over heading_baseline_m.
+/// with a heading, or until the positions over at least heading_baseline_m give one.
 /// Displaced positions (jumps, reflected signals) are found by FixHypotheses, left out and reported
 /// by warning(), as are those of a frozen receiver. The scatter of a receiver's steps is its noise.
 /// If it clearly exceeds the claimed covariance, it is used instead; if it is less, the difference
@@ -33,8 +32,9 @@ class Fusion : public Localiser {
   void finish() override;
   std::string warning() const override;
 
-  /// Returns the estimated sensor errors: speed scale, turn per metre [1/m], gyro bias [rad/s].
-  Eigen::Vector3d sensor_errors() const { return filter().mean().segment<3>(3); }
+  /// Returns the estimated sensor errors: speed scale with the slip, turn per metre [1/m], gyro
+  /// bias [rad/s].
+  Eigen::Vector3d sensor_errors() const { return filter().sensor_errors(); }
 
   /// Returns true if the latest position is held to be displaced, e.g. by reflected signals.
   bool is_displaced() const { return hypotheses_.best().is_displaced; }
@@ -47,7 +47,9 @@ class Fusion : public Localiser {
   void add(const PoseFix& fix);
   void set_receiver_noise(PositionObservation& observation);
   void use_position(const PositionObservation& observation);
-  void start(const LocalFrame& T_map_local, bool is_gnss);
+  void start(const PositionObservation& observation);
+  void move(const MotionStep& step);
+  Eigen::Vector3d path_pose() const;
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance, bool is_gnss);
   void smooth(const PositionObservation& observation, std::optional<double> yaw_rad = std::nullopt,
               double yaw_sd_rad = 1.0);
@@ -60,11 +62,13 @@ class Fusion : public Localiser {
 
   PoseConfig config_;
   FixHypotheses hypotheses_;
+  FusionFilter local_;  ///< dead reckoning from the robot's start, until the pose in map is known
   GnssPositions positions_;
   GnssMonitor monitor_;
-  HeadingInitialiser heading_initialiser_;
   std::optional<PathSmoother> smoother_;  ///< if GNSS or fixes are used
-  bool is_placed_ = false;  ///< the filter's frame is map; else it starts at the robot's start
+  bool is_started_ = false;  ///< the filter's frame is map; else it starts at the robot's start
+  bool is_placed_ = false;   ///< the pose in map is known
+  std::optional<Eigen::Vector2d> first_local_m_;  ///< of the first position, dead-reckoned
   bool is_finished_ = false;
   std::optional<std::int64_t> utime_;  ///< time of the filter's state
   std::optional<Odometry> odometry_;

@@ -69,6 +69,10 @@ Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
   return geometry::transform(Eigen::Vector3d(mean_.head<3>()), p_base_m);
 }
 
+Eigen::Vector3d FusionFilter::sensor_errors() const {
+  return {mean_(kScale) + mean_(kSlip), mean_(kCurvature), mean_(kGyroBias)};
+}
+
 void FusionFilter::move(const MotionStep& step) {
   const double dt_s = step.dt_s;
   const double wheels_m = step.speed_mps * dt_s;
@@ -104,10 +108,12 @@ void FusionFilter::move(const MotionStep& step) {
   F.row(kYaw) += turn_by.transpose();
 
   // Time-correlated errors are Ornstein-Uhlenbeck processes: a decay here, new noise below.
-  const double slip_kept = std::exp(-std::abs(wheels_m) / kSlipTravel_m);
+  const double slip_kept = std::exp(-std::abs(wheels_m) / changes_.slip_travel_m);
+  const double turn_slip_kept = std::exp(-std::abs(wheels_m) / changes_.turn_slip_travel_m);
   const double receiver_kept = std::exp(-dt_s / kReceiverMemory_s);
   Vector kept = Vector::Ones();
-  kept(kSlip) = kept(kTurnSlip) = slip_kept;
+  kept(kSlip) = slip_kept;
+  kept(kTurnSlip) = turn_slip_kept;
   kept(kReceiverEast) = kept(kReceiverNorth) = receiver_kept;
   mean_ = kept.cwiseProduct(mean_);
   F = kept.asDiagonal() * F;
@@ -125,9 +131,10 @@ void FusionFilter::move(const MotionStep& step) {
   covariance_(kCurvature, kCurvature) +=
       geometry::square(changes_.curvature_walk) * std::abs(length_m);
   covariance_(kGyroBias, kGyroBias) += geometry::square(kGyroWalk_radps_per_sqrt_s) * dt_s;
-  const double slip_new = 1.0 - geometry::square(slip_kept);
-  covariance_(kSlip, kSlip) += slip_new * geometry::square(changes_.slip_sd);
-  covariance_(kTurnSlip, kTurnSlip) += slip_new * geometry::square(changes_.turn_slip_sd);
+  covariance_(kSlip, kSlip) +=
+      (1.0 - geometry::square(slip_kept)) * geometry::square(changes_.slip_sd);
+  covariance_(kTurnSlip, kTurnSlip) +=
+      (1.0 - geometry::square(turn_slip_kept)) * geometry::square(changes_.turn_slip_sd);
   const double receiver_new = (1.0 - geometry::square(receiver_kept)) * receiver_variance_;
   covariance_(kReceiverEast, kReceiverEast) += receiver_new;
   covariance_(kReceiverNorth, kReceiverNorth) += receiver_new;

@@ -22,13 +22,12 @@ struct MotionStep {
 
 /// Process noise of the wheels' errors.
 struct WheelErrorNoise {
-  double slip_sd = 0.02;         ///< of the slip, as a fraction of the travel
-  double turn_slip_sd = 0.05;    ///< of the slip in turns, as a fraction of the turn
+  double slip_sd = 0.02;        ///< of the slip, as a fraction of the travel
+  double turn_slip_sd = 0.05;   ///< of the slip in turns, as a fraction of the turn
+  double slip_travel_m = 10.0;  ///< correlation lengths of both
+  double turn_slip_travel_m = 10.0;
   double curvature_walk = 2e-4;  ///< random walk of the turn per metre over travel [1/m/sqrt(m)]
 };
-
-/// Correlation length of the slip [m].
-inline constexpr double kSlipTravel_m = 10.0;
 
 /// Measured position of a point of base.
 struct PositionObservation {
@@ -58,6 +57,10 @@ class FusionFilter {
 
   /// Returns the position in map of a point of base [m].
   Eigen::Vector2d p_map_m(const Eigen::Vector2d& p_base_m) const;
+
+  /// Returns the errors at present: speed scale with the slip, turn per metre [1/m], gyro bias
+  /// [rad/s].
+  Eigen::Vector3d sensor_errors() const;
 
   /// Predicts the motion of one step along an arc; its noise has the correlation time kNoiseTime_s.
   void move(const MotionStep& step);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 #include "pose/graph/calibration.hpp"
@@ -34,6 +35,12 @@ constexpr double kLeftOutMax = 0.2;
 /// Travel without a position that makes a gap; the same travel after it determines position and
 /// heading again [m].
 constexpr double kGap_m = 20.0;
+
+/// Smallest standard deviation of the wheels' errors that is not taken for none.
+constexpr double kSdMin = 1e-6;
+
+/// Avoids division by zero where the wheels' errors never change.
+constexpr double kKeptMin = 1e-9;
 
 SlamConfig graph_config(const PoseConfig& config) {
   SlamConfig graph = config.slam;
@@ -114,8 +121,12 @@ void PathSmoother::add(std::int64_t utime, AbsolutePosition position,
   motion_.advance_to(utime);
   follow(T_map_base);
   const double travel_m = graph_.keyframes.back().travel_m + motion_.motion().travel_m;
-  if (travel_m - position_travel_m_ > kGap_m) due_travel_m_ = travel_m + kGap_m;
+  if (travel_m - position_travel_m_ > kGap_m) {
+    if (!due_travel_m_) before_gap_ = position_keyframe_;
+    due_travel_m_ = travel_m + kGap_m;
+  }
   position_travel_m_ = travel_m;
+  position_keyframe_ = graph_.keyframes.size() - 1;
   position.utime = utime;
   position.T_keyframe_then = motion_.motion().delta_with(graph_.calibrations.back());
   add_position(position, graph_);
@@ -127,14 +138,13 @@ void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
 
 std::optional<SmoothedPose> PathSmoother::observe(const std::vector<DisplacedTime>& displaced) {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return std::nullopt;
+  // In a gap there is nothing to solve: its length is not known before positions have followed it.
+  const double travel_m = graph_.keyframes.back().travel_m;
+  if (travel_m - position_travel_m_ > kKeyframeTravel_m) return std::nullopt;
   const bool has_grown =
       static_cast<double>(graph_.keyframes.size()) >= num_solved_ * (1.0 + kGrowth) + kKeyframesMin;
-  const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
-  if (!has_grown && !is_due) return std::nullopt;
-  if (!solve(displaced)) return std::nullopt;
-  // In a gap dead reckoning continues better from its own state than from a new estimate.
-  if (graph_.keyframes.back().travel_m - position_travel_m_ > kKeyframeTravel_m)
-    return std::nullopt;
+  const bool is_due = due_travel_m_ ? travel_m >= *due_travel_m_ : has_grown;
+  if (!is_due || !solve(displaced)) return std::nullopt;
   if (left_out().newest_contradicts) return std::nullopt;
   const Keyframe& newest = graph_.keyframes.back();
   const Eigen::Vector3d delta = motion_.motion().delta_with(graph_.calibrations.back());
@@ -157,10 +167,46 @@ void PathSmoother::finish(const std::vector<DisplacedTime>& displaced) {
   solve(displaced);
 }
 
+/// Spreads the difference between dead reckoning over a gap and the pose behind it along the way:
+/// from a jump, the solver converges to paths that no wheels could have driven.
+void PathSmoother::close_gap() {
+  if (!due_travel_m_) return;
+  due_travel_m_.reset();
+  std::vector<Keyframe>& keyframes = graph_.keyframes;
+  const Eigen::Vector3d first = keyframes[before_gap_].T_map_base;
+  const Eigen::Vector3d last = keyframes.back().T_map_base;
+  const double first_m = keyframes[before_gap_].travel_m;
+  const double way_m = keyframes.back().travel_m - first_m;
+  if (way_m <= 0.0) return;
+  const auto part = [&](std::size_t k) { return (keyframes[k].travel_m - first_m) / way_m; };
+  const auto reckon = [&](double turned_rad) {
+    Eigen::Vector3d pose = first;
+    for (std::size_t k = before_gap_ + 1; k < keyframes.size(); ++k) {
+      Eigen::Vector3d delta = keyframes[k].motion.delta_with(
+          graph_.calibrations[static_cast<std::size_t>(keyframes[k].calibration)]);
+      delta.z() += turned_rad * (part(k) - part(k - 1));
+      pose = geometry::compose(pose, delta);
+      keyframes[k].T_map_base = pose;
+    }
+  };
+  reckon(0.0);
+  reckon(geometry::wrap_angle_rad(last.z() - keyframes.back().T_map_base.z()));
+  const Eigen::Vector2d off_m = last.head<2>() - keyframes.back().T_map_base.head<2>();
+  for (std::size_t k = before_gap_ + 1; k < keyframes.size(); ++k) {
+    keyframes[k].T_map_base.head<2>() += part(k) * off_m;
+  }
+}
+
+/// Returns true if the wheels' errors of the solution change as the model allows.
+bool PathSmoother::is_plausible() const {
+  const Eigen::Array3d most = CalibrationPrior::initial_sd(config_).array().max(kSdMin);
+  return (graph_.calibration_walk_sd.array() <= most).all();
+}
+
 bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced) {
   mark_displaced(displaced, graph_);
   num_solved_ = static_cast<int>(graph_.keyframes.size());
-  due_travel_m_.reset();
+  close_gap();
   SlamGraph before = graph_;
   // First without the robust loss, which would treat the positions after a gap as outliers and keep
   // the filter's drift.
@@ -173,8 +219,8 @@ bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced) {
     if (!solution.solved) return false;
     out = left_out();
   }
-  if (out.num_contradicting > kLeftOutMax * out.num_fixes) {
-    graph_ = std::move(before);  // too many positions contradict the solution
+  if (out.num_contradicting > kLeftOutMax * out.num_fixes || !is_plausible()) {
+    graph_ = std::move(before);  // too many positions contradict the solution, or the wheels do
     return false;
   }
   corrected_ = true;
@@ -191,13 +237,17 @@ std::optional<WheelErrorNoise> PathSmoother::wheel_error_noise() const {
   }
   if (speeds_mps.empty()) return std::nullopt;
   const double speed_mps = std::max(geometry::median(speeds_mps), kSpeedMin_mps);
-  // For a process with correlation length kSlipTravel_m, the variance of a step over an interval is
-  // this factor times the variance of the process.
-  const double fraction = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
+  // The same process as in the graph: another one with as large a step per interval errs by another
+  // length in a gap.
   const Eigen::Vector3d& walk = graph_.calibration_walk_sd;
+  const Eigen::Vector3d sd = CalibrationPrior::initial_sd(config_);
+  const Eigen::Array3d kept = calibration_decay(walk, config_).array().max(kKeptMin);
+  const Eigen::Array3d travel_m = kCalibrationTravel_m / (-kept.log()).max(kKeptMin);
   WheelErrorNoise changes;
-  changes.slip_sd = walk[0] / std::sqrt(fraction);
-  changes.turn_slip_sd = walk[1] / std::sqrt(fraction);
+  changes.slip_sd = sd[0];
+  changes.turn_slip_sd = sd[1];
+  changes.slip_travel_m = travel_m[0];
+  changes.turn_slip_travel_m = travel_m[1];
   changes.curvature_walk = walk[2] / speed_mps / std::sqrt(kCalibrationTravel_m);
   return changes;
 }

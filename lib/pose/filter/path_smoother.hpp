@@ -57,6 +57,8 @@ class PathSmoother {
   RejectedFixes left_out() const { return rejected_fixes(graph_); }
 
  private:
+  void close_gap();
+  bool is_plausible() const;
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
   bool solve(const std::vector<DisplacedTime>& displaced);
@@ -66,7 +68,9 @@ class PathSmoother {
   SlamGraph graph_;
   int num_solved_ = 0;
   double position_travel_m_ = 0.0;      ///< travel at the last position
+  std::size_t position_keyframe_ = 0;   ///< its keyframe
   std::optional<double> due_travel_m_;  ///< travel at which the solve after a gap is due
+  std::size_t before_gap_ = 0;          ///< the last keyframe before that gap
   std::int32_t revision_ = 0;
   bool corrected_ = false;
 };

@@ -52,6 +52,7 @@ struct Errors {
   double turn_scale = 0.0;
   double curvature_per_m = 0.0;
   std::function<double(double)> curvature_besides_per_m = [](double) { return 0.0; };
+  std::function<double(double)> turn_besides = [](double) { return 0.0; };
   double speed_sd_mps = 0.01;
   double yaw_rate_sd_radps = 0.01;
   double gnss_sd_m = 0.02;
@@ -131,9 +132,9 @@ Outcome run(const PoseConfig& config, const Errors& errors, std::uint64_t seed,
           t.speed_mps / (1.0 + errors.speed_scale) + errors.speed_sd_mps * normal(random);
       const double curvature_per_m =
           errors.curvature_per_m + errors.curvature_besides_per_m(t.time_s);
-      odometry.yaw_rate_radps = t.yaw_rate_radps / (1.0 + errors.turn_scale) -
-                                curvature_per_m * t.speed_mps +
-                                errors.yaw_rate_sd_radps * normal(random);
+      odometry.yaw_rate_radps =
+          t.yaw_rate_radps / (1.0 + errors.turn_scale + errors.turn_besides(t.time_s)) -
+          curvature_per_m * t.speed_mps + errors.yaw_rate_sd_radps * normal(random);
       fusion.add(Measurement(odometry));
     }
     if (i % 20 == 0 && errors.has_gnss(t.time_s)) {
@@ -252,6 +253,51 @@ TEST(Fusion, FixesBehindAGapAreBelievedAtOnce) {
   EXPECT_LT(r.worst_within(235.0, 300.0), 0.2);
 }
 
+TEST(Fusion, GroundThatSlipsInTurnsIsReckonedWithInAGap) {
+  // Slip in turns of 5 %, which the ground changes every 10 m: in a gap with five half circles the
+  // heading is off by tenths of a radian, as the drive before has shown.
+  double nees = 0.0;
+  constexpr int kRuns = 4;
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    std::normal_distribution<double> normal(0.0, 0.05);
+    std::vector<double> slips;
+    for (int i = 0; i < 100; ++i) slips.push_back(normal(random));
+    Errors errors;
+    errors.gnss_sd_m = errors.gnss_stated_sd_m = 0.5;
+    errors.turn_besides = [&](double time_s) {
+      return slips[static_cast<std::size_t>(time_s / 10.0) % slips.size()];
+    };
+    errors.has_gnss = [](double time_s) { return time_s < 500.0; };
+    nees += run(config_of(), errors, 20 + static_cast<std::uint64_t>(seed), 740.0, 700.0).nees;
+  }
+  EXPECT_LT(nees / kRuns, 4.0);
+}
+
+TEST(Fusion, AReflectedStartIsFoundOut) {
+  Errors errors;
+  errors.gnss_sd_m = 0.5;
+  errors.gnss_stated_sd_m = 1.7;
+  errors.gnss_offset_m = [](double time_s) {
+    return time_s > 1.5 && time_s < 20.0 ? Eigen::Vector2d(-16.0, 27.0) : Eigen::Vector2d(0, 0);
+  };
+  const Outcome r = run(config_of(), errors, 10, 100.0);
+  EXPECT_LT(r.worst_within(30.0, 100.0), 2.0);
+  EXPECT_NE(r.final_warning.find("rejected"), std::string::npos);
+}
+
+TEST(Fusion, AGapSoonAfterTheStartIsGotOver) {
+  Errors errors;
+  errors.speed_scale = 0.05;
+  errors.curvature_per_m = 0.01;
+  errors.gnss_sd_m = 0.5;
+  errors.gnss_stated_sd_m = 1.7;
+  errors.has_gnss = [](double time_s) { return time_s < 3.0 || time_s > 120.0; };
+  const Outcome r = run(config_of(), errors, 11, 200.0, 120.0);
+  EXPECT_LT(r.worst_within(125.0, 200.0), 2.0);
+  EXPECT_LT(r.nees, 6.0);
+}
+
 TEST(Fusion, AJumpOf30mIsLeftOutAndNamed) {
   Errors errors;
   errors.gnss_offset_m = [](double time_s) {
@@ -269,7 +315,7 @@ TEST(Fusion, AReceiverThatStaysElsewhereIsFollowedInTheEnd) {
     return time_s > 100.0 ? Eigen::Vector2d(5.0, 0.0) : Eigen::Vector2d(0, 0);
   };
   const Outcome r = run(config_of(), errors, 3);
-  EXPECT_LT(r.worst_within(100.0, 119.0), 0.5);
+  EXPECT_LT(r.worst_within(100.0, 110.0), 0.5);
   EXPECT_NEAR(r.worst_within(140.0, 300.0), 5.0, 0.3);
 }
 

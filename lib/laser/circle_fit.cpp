@@ -14,7 +14,7 @@
 namespace orchard::laser {
 namespace {
 
-constexpr int kMaxIterations = 12;
+constexpr int kMaxIterations = 20;
 constexpr double kMinRadius_m = 1e-3;
 /// From this step on a fit is abandoned if its chi2 per degree of freedom exceeds kHopeless[step]
 /// times kGoodFit: such fits seldom converge to a good circle.
@@ -217,6 +217,7 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
   Eigen::Matrix3d inverse;
   bool settled = false;
   Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
+  double trust = 1.0;
   for (int i = 0; i < kMaxIterations; ++i) {
     normal = normal_at(arc, c, bearing_step_rad, range_sd_m, search.prior);
     if (normal.count < 3) return std::nullopt;
@@ -231,9 +232,9 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
     // At most half a radius per step: beyond that too few beams constrain the circle.
     const double largest_m =
         std::max({std::abs(step.x()), std::abs(step.y()) * c.range_m, std::abs(step.z())});
-    double damping = std::min(1.0, 0.5 * c.radius_m / std::max(largest_m, 1e-12));
-    // Halve a reversed step: the weights change with the circle, so full steps oscillate.
-    if (step.dot(last_step) < 0.0) damping *= 0.5;
+    // Halve from a reversed step on: the weights change with the circle, so full steps oscillate.
+    if (step.dot(last_step) < 0.0) trust *= 0.5;
+    const double damping = std::min(trust, 0.5 * c.radius_m / std::max(largest_m, 1e-12));
     last_step = step;
     c.range_m += damping * step.x();
     c.bearing_rad += damping * step.y();

@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/filter/displaced_fixes.hpp"
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/joint_covariance.hpp"
 #include "pose/graph/solver.hpp"
@@ -49,17 +50,6 @@ SlamConfig graph_config(const PoseConfig& config) {
     graph.yaw_rate_bias_sd_radps = std::max(graph.yaw_rate_bias_sd_radps, kGyroBiasSd_radps);
   }
   return graph;
-}
-
-void mark_displaced(const std::vector<DisplacedTime>& displaced, SlamGraph& graph) {
-  auto time = displaced.begin();
-  for (Keyframe& keyframe : graph.keyframes) {
-    for (AbsolutePosition& position : keyframe.positions) {
-      while (time != displaced.end() && time->end_utime < position.utime) ++time;
-      position.is_displaced = time != displaced.end() && time->begin_utime <= position.utime &&
-                              time->is_gnss == position.is_gnss;
-    }
-  }
 }
 
 PoseEstimate pose_estimate(const Keyframe& k) {

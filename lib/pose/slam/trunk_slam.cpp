@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/pose2.hpp"
+#include "pose/filter/displaced_fixes.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/joint_covariance.hpp"
 
@@ -232,6 +233,7 @@ void TrunkSlam::finish() {
   if (map_.empty()) return;
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
   closer_.close(map_);
+  mark_displaced_fixes(map_.graph);
   map_.solve(SolveReason::kEndOfDrive);
   closer_.merge_duplicate_landmarks(map_);
   if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);

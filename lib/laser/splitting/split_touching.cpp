@@ -118,6 +118,14 @@ bool is_flat_piece(const Candidate& candidate, CandidateFitter& fit) {
   return hidden && line_chi2(arc, fit.range_sd_m(candidate)) < kGoodFit * (candidate.num_beams - 2);
 }
 
+bool has_bright(const Beams& beams, const Candidate& candidate) {
+  bool is_bright = false;
+  if (beams.has_bright()) {
+    for_each_beam(beams, candidate, [&](std::ptrdiff_t i) { is_bright |= beams.bright(i); });
+  }
+  return is_bright;
+}
+
 }  // namespace
 
 void split_touching(const Beams& beams, const SegmentationConfig& config, const WidthConfig& width,
@@ -140,6 +148,8 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
                         parts.end());
     };
     const bool small = span_m <= kMaxTwinsWidth_m && candidate.num_beams <= kMaxBeamsTried;
+    // Where a reflector shows what stands there, bright_cut tells the parts.
+    if (small && has_bright(beams, candidate)) continue;
     if (small) {
       // Most trunks end here: no share of the span between two stems is as probable as the circle.
       const PartEvidence evidence(width, config, beams.step_rad() * range_m, span_m, range_sd_m,

@@ -21,8 +21,8 @@ constexpr double kStep_s = 2.0;
 
 constexpr std::size_t kStepsMin = 20;
 
-/// Weight of the claimed variance, in independent fixes: a unit information prior (Kass and Wasserman
-/// 1995).
+/// Weight of the claimed variance, in independent fixes: a unit information prior (Kass and
+/// Wasserman 1995).
 constexpr double kClaimWeight = 1.0;
 
 /// A larger error is reported, in claimed standard deviations.

@@ -108,7 +108,7 @@ void* FileChunkAllocator::allocate() {
 
 void FileChunkAllocator::use(void* chunk) {
   if (mapped(chunk) == nullptr) return;  // on the heap, where unloading would lose the data
-  if (loaded_.size() >= kLoadedMax) unload();
+  if (loaded_.size() >= loaded_max_) unload();
   loaded_.push_back(chunk);
 }
 

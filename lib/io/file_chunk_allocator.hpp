@@ -19,7 +19,7 @@ struct PersistentChunk {
   std::uint32_t crc = 0;
 };
 
-/// Allocates chunks in a memory-mapped file, of which at most kLoadedMax occupy memory. When the
+/// Allocates chunks in a memory-mapped file, of which at most `loaded_max` occupy memory. When the
 /// disk is nearly full, chunks are allocated on the heap.
 ///
 /// A file without a name is deleted with the process. A named one can be used again by the next
@@ -29,8 +29,9 @@ class FileChunkAllocator : public mapping::ChunkAllocator {
  public:
   /// The file is created in the existing folder `folder` with the first chunk. With a `name` it
   /// replaces the file of that name.
-  explicit FileChunkAllocator(std::string folder, std::string name = {})
-      : folder_(std::move(folder)), name_(std::move(name)) {}
+  explicit FileChunkAllocator(std::string folder, std::string name = {},
+                              std::size_t loaded_max = kLoadedMax)
+      : folder_(std::move(folder)), name_(std::move(name)), loaded_max_(loaded_max) {}
   ~FileChunkAllocator() override;
   FileChunkAllocator(const FileChunkAllocator&) = delete;
   FileChunkAllocator& operator=(const FileChunkAllocator&) = delete;
@@ -55,9 +56,11 @@ class FileChunkAllocator : public mapping::ChunkAllocator {
   /// all of these chunks are in it unchanged.
   bool restore(const std::vector<PersistentChunk>& chunks);
 
-  /// A scan reads what was observed of the rows around: some 2 km of path, about 35 chunks. With
-  /// fewer loaded than that, each scan would load them again.
+  /// A scan of the mapper reads what was observed of the rows around: some 2 km of path, about 35
+  /// chunks. With fewer loaded than that, each scan would load them again.
   static constexpr std::size_t kLoadedMax = 64;
+  /// The same 2 km take 9 chunks of the pose's observations.
+  static constexpr std::size_t kPoseLoadedMax = 16;
 
   std::size_t num_on_heap() const { return num_on_heap_; }
 
@@ -71,6 +74,7 @@ class FileChunkAllocator : public mapping::ChunkAllocator {
 
   std::string folder_;
   std::string name_;
+  std::size_t loaded_max_;
   int fd_ = -1;
   bool is_refused_ = false;               ///< the file cannot be created in this folder
   std::uint32_t num_in_file_ = 0;         ///< chunks in the file, in use or not

@@ -28,10 +28,15 @@ constexpr double kPlacementTravel_m = 5.0;
 /// Larger graphs are solved by submaps while driving, to limit the delay.
 constexpr int kFineSolveKeyframes = 500;
 
-/// Limits of the same at the end of the drive, where the delay matters less. A solve takes the time
-/// of some 16 factorisations, and a keyframe while driving that of 4e7 multiplications: the end
-/// takes a quarter of the drive at most. The matrix takes 12 bytes an entry: 16 MiB.
-constexpr double kFinalWork_per_keyframe = 6e5;
+/// Matching and windows cost a keyframe the time of this many multiplications; the solves of the
+/// whole graph may cost a quarter of it. A solve takes the time of some 16 factorisations, and each
+/// keyframe takes part in one at the end and, since the graph is solved whenever it has grown by a
+/// tenth, in ten before.
+constexpr double kKeyframeWork = 4e7;
+constexpr double kFinalWork_per_keyframe = 0.25 * kKeyframeWork / 16.0;
+constexpr double kSubmapWork_per_keyframe = kFinalWork_per_keyframe / 11.0;
+
+/// Max size of the matrix of all keyframes, solved at the end: 16 MiB, 12 bytes an entry.
 constexpr std::size_t kFinalEntriesMax = (std::size_t{16} << 20) / 12;
 
 // Min growth of the graph between solves for absolute positions, as a fraction and in keyframes:
@@ -113,11 +118,7 @@ bool SlamMap::solve(SolveReason reason, const std::function<bool(const SlamGraph
   } else {
     solution.is_beyond_limits = true;
   }
-  if (solution.is_beyond_limits) {
-    SubmapGraph submaps = submaps_of(graph, config_);
-    solution = solve_graph(submaps.graph, is_closure, config_);
-    if (solution.solved) back_substitute(submaps, graph);
-  }
+  if (solution.is_beyond_limits) solution = solve_by_submaps(is_closure);
   if (!solution.solved || !accept(graph)) return false;
   const Eigen::Matrix3d P = solution.calibration_covariance.value_or(calibration.covariance);
   if (P.allFinite()) {
@@ -138,6 +139,21 @@ bool SlamMap::solve(SolveReason reason, const std::function<bool(const SlamGraph
   refresh_local();
   corrected = true;
   return true;
+}
+
+/// Solves by submaps, twice as long as before where the predicted work is too much: the more often
+/// a drive returns to the same trees, the fuller the factor.
+GraphSolution SlamMap::solve_by_submaps(bool is_closure) {
+  SolveLimits limits;
+  limits.factor_work = kSubmapWork_per_keyframe * static_cast<double>(graph.keyframes.size());
+  while (true) {
+    SubmapGraph submaps = submaps_of(graph, config_);
+    if (config_.submap_length_m > graph.keyframes.back().travel_m) limits = {};  // no longer ones
+    const GraphSolution solution = solve_graph(submaps.graph, is_closure, config_, limits);
+    if (solution.solved) back_substitute(submaps, graph);
+    if (!solution.is_beyond_limits) return solution;
+    config_.submap_length_m *= 2.0;
+  }
 }
 
 /// Landmarks are dropped only within two sight ranges, and keyframes corrected only within the

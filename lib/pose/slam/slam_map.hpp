@@ -67,6 +67,9 @@ class SlamMap {
   /// more certain than the pose or contradicts it, as after a gap.
   void process_absolute_position();
 
+  /// Length of the submaps by which the last large graph was solved [m].
+  double submap_length_m() const { return config_.submap_length_m; }
+
   SlamGraph graph;
   geometry::PointGrid index{4.0};  ///< spatial index of landmarks
   SensorCoverage coverage;
@@ -81,12 +84,13 @@ class SlamMap {
 
  private:
   void georeference();
+  GraphSolution solve_by_submaps(bool is_closure);
   bool is_informative(const AbsolutePosition& position) const;
   int merge_same_trees();
   void rebuild_index();
 
-  SlamConfig config_;
-  int num_kept_ = 0;  ///< keyframes whose observations archive_old_observations() has moved
+  SlamConfig config_;  ///< submap_length_m grows with the work of the solves
+  int num_kept_ = 0;   ///< keyframes whose observations archive_old_observations() has moved
 };
 
 }  // namespace orchard::pose

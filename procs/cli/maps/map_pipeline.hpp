@@ -18,8 +18,9 @@ struct MapPipeline {
   /// Pose and mapper store the data of a long drive in files in `folder`.
   MapPipeline(const io::Config& config, const std::string& folder)
       : detector(config),
-        pose(std::make_unique<procs::PoseNode>(config,
-                                               std::make_shared<io::FileChunkAllocator>(folder))),
+        pose(std::make_unique<procs::PoseNode>(
+            config, std::make_shared<io::FileChunkAllocator>(
+                        folder, "", io::FileChunkAllocator::kPoseLoadedMax))),
         mapper(config, std::make_shared<io::FileChunkAllocator>(folder)) {}
   std::vector<bus::Node*> nodes() { return {&detector, pose.get(), &mapper}; }
 

@@ -25,6 +25,7 @@ const std::vector<OldKey>& old_keys() {
       {"mapper.save_period_s", nullptr, "1"},
       {"pose.slam.closure_min_trees", nullptr},
       {"pose.slam.merge_m", nullptr},
+      {"pose.scan_motion.search_turn_rad", nullptr},
       {"pose.scan_motion.thin_m", nullptr, "0.1"},
       {"pose.scan_motion.points_min", nullptr, "20"},
       {"pose.scan_motion.map_travel_m", nullptr, "15"},

@@ -32,10 +32,6 @@ constexpr int kIterationsMax = 25;
 /// Score below which the neighbourhood is searched for a better pose.
 constexpr double kScoreGood = 0.75;
 
-/// Score below which nothing fits: the robot may have turned on the spot, so all turns are
-/// searched.
-constexpr double kScoreNone = 0.35;
-
 /// Min margin of the score of a pose found by search over the predicted one, which the prior
 /// favours.
 constexpr double kScoreAdvantage = 0.05;
@@ -49,9 +45,9 @@ constexpr int kPairsMin = 5;
 /// Weight of the residual along a smooth surface while iterating; it stabilises the steps.
 constexpr double kAlongFraction = 0.05;
 
-constexpr double kSearchTurnStep_rad = 0.05;
+/// Scale of the distance between a point and the map in the search [m], and its step: from one
+/// candidate to the next no point moves by more.
 constexpr double kSearchKernel_m = 0.3;
-constexpr double kSearchShiftStep_m = 0.15;
 constexpr std::size_t kSearchPoints = 120;
 /// Candidates of the search nearer than this converge to the same fit.
 constexpr double kSameTurn_rad = 0.11;
@@ -154,26 +150,37 @@ ScanMatch ScanMatcher::refined(const std::vector<SurfacePoint>& points,
   return match;
 }
 
+ScanMatch ScanMatcher::unmatched(const std::vector<SurfacePoint>& points,
+                                 const Eigen::Vector3d& T_map_base) const {
+  ScanMatch match;
+  match.T_map_base = T_map_base;
+  match.score = score(points, T_map_base, kScoreKernel_m);
+  return match;
+}
+
+bool ScanMatcher::is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre) const {
+  return (match.T_map_base - centre).head<2>().norm() <= config_.search_shift_m + kPairMax_m;
+}
+
 ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
-                                const Eigen::Vector3d& centre, double turn_rad,
-                                const ScanMatch& found) const {
+                                const Eigen::Vector3d& centre, const ScanMatch& found) const {
   const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
-  double farthest_m = 0.0;
+  double farthest_m = kSearchKernel_m;
   for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
   const LikelihoodField raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
                                kSearchKernel_m);
-  const int turns = static_cast<int>(std::ceil(turn_rad / kSearchTurnStep_rad));
-  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
+  const double turn_step_rad = kSearchKernel_m / farthest_m;
+  const int turns = static_cast<int>(std::ceil(geometry::kPi / turn_step_rad));
+  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchKernel_m));
   std::vector<Place> places;
   std::vector<Eigen::Vector2d> arms_map(some.size());
   for (int turn = -turns; turn <= turns; ++turn) {
-    const double yaw_rad = centre.z() + turn * kSearchTurnStep_rad;
+    const double yaw_rad = centre.z() + turn * turn_step_rad;
     const Eigen::Matrix2d R = rotation(yaw_rad);
     for (std::size_t i = 0; i < some.size(); ++i) arms_map[i] = R * some[i].p;
     for (int x = -shifts; x <= shifts; ++x) {
       for (int y = -shifts; y <= shifts; ++y) {
-        const Eigen::Vector2d base_map =
-            centre.head<2>() + kSearchShiftStep_m * Eigen::Vector2d(x, y);
+        const Eigen::Vector2d base_map = centre.head<2>() + kSearchKernel_m * Eigen::Vector2d(x, y);
         places.push_back({{base_map.x(), base_map.y(), yaw_rad}, raster.score(arms_map, base_map)});
       }
     }
@@ -191,11 +198,11 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
     }
     tried.push_back(place);
     const ScanMatch match = refined(some, place.T_map_base);
-    if (match.score > best.score) best = match;
+    if (match.score > best.score && is_in_range(match, centre)) best = match;
   }
   if (best.score <= score_to_beat) return found;
   best = refined(points, best.T_map_base);
-  return best.score > found.score + kScoreAdvantage ? best : found;
+  return best.score > found.score + kScoreAdvantage && is_in_range(best, centre) ? best : found;
 }
 
 ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
@@ -209,11 +216,10 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
       start = &guess;
     }
   }
-  const ScanMatch match = refined(points, *start);
+  ScanMatch match = refined(points, *start);
+  if (!is_in_range(match, *start)) match = unmatched(points, guesses.front());
   if (match.score >= kScoreGood) return match;
-  const ScanMatch nearby = searched(points, guesses.front(), config_.search_turn_rad, match);
-  if (nearby.score >= kScoreNone || config_.search_turn_rad >= geometry::kPi) return nearby;
-  return searched(points, guesses.front(), geometry::kPi, nearby);
+  return searched(points, guesses.front(), match);
 }
 
 }  // namespace orchard::pose

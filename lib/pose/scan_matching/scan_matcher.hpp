@@ -48,7 +48,14 @@ class ScanMatcher {
   void iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
                ScanMatch& match) const;
   ScanMatch searched(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& centre,
-                     double turn_rad, const ScanMatch& found) const;
+                     const ScanMatch& found) const;
+
+  /// A pose that the points do not determine.
+  ScanMatch unmatched(const std::vector<SurfacePoint>& points,
+                      const Eigen::Vector3d& T_map_base) const;
+  /// Whether a fit lies within the search range, and as far beyond as it can be drawn. One farther
+  /// away has slid along a surface.
+  bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre) const;
 
   const PointMap& map_;
   const ScanMotionConfig& config_;

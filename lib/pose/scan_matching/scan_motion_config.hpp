@@ -9,8 +9,7 @@ struct ScanMotionConfig {
   double range_max_m = 30.0;  ///< farther returns are not used
   bool deskew = true;         ///< undo the motion within a scan that states its beam period
 
-  double search_turn_rad = 0.6;  ///< search window to each side of the predicted yaw
-  double search_shift_m = 0.6;   ///< search window to each side of the predicted position
+  double search_shift_m = 0.6;  ///< search window to each side of the predicted position
 };
 
 template <class Visitor>
@@ -19,8 +18,6 @@ void describe(Visitor& v, ScanMotionConfig& c) {
            "nearer returns are ignored (the robot itself)");
   v.number("range_max_m", c.range_max_m, 0.5, 500, "m", "farther returns are ignored");
   v.flag("deskew", c.deskew, "compensate the motion within a scan, if SCAN states its beam period");
-  v.number("search_turn_rad", c.search_turn_rad, 0, 3.1416, "rad",
-           "search range of the rotation, to each side of the predicted one");
   v.number("search_shift_m", c.search_shift_m, 0, 5, "m",
            "search range of the position, to each side of the predicted one");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");

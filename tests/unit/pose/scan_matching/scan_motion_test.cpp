@@ -97,10 +97,8 @@ TEST(ScanMotion, DoesNotCareHowFastTheClockRuns) {
 
 TEST(ScanMotion, FindsATurnOnTheSpotBetweenTwoScans) {
   const CastWorld world = orchard_world();
-  ScanMotionConfig config;
-  config.search_turn_rad = 1.6;
   for (const double turn_rad : {-1.3, -0.5, 0.4, 1.3}) {
-    ScanMotion motion = motion_of(config);
+    ScanMotion motion = motion_of();
     std::vector<Eigen::Vector3d> path = weaving_path(12);
     for (std::size_t i = 0; i < path.size(); ++i) {
       motion.add(world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], nullptr));
@@ -110,6 +108,38 @@ TEST(ScanMotion, FindsATurnOnTheSpotBetweenTwoScans) {
     ASSERT_TRUE(step);
     EXPECT_TRUE(step->reliable) << turn_rad;
     EXPECT_LT((step->T_from_to - jump).norm(), 0.02) << turn_rad;
+  }
+}
+
+/// What a scanner sees that covers the half turn ahead.
+laser::Scan ahead(laser::Scan scan) {
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (std::abs(scan.bearing_rad(static_cast<int>(i))) > geometry::kPi / 2) scan.ranges_m[i] = 0;
+  }
+  return scan;
+}
+
+TEST(ScanMotion, FindsATurnAmongFarWalls) {
+  // At 15 m a turn by 0.05 rad moves a return by 0.75 m, beyond what a fit can draw from.
+  CastWorld yard;
+  const Eigen::Vector2d corners[] = {{-17.0, -14.0}, {18.0, -15.0}, {17.0, 16.0}, {-18.0, 13.0}};
+  for (int i = 0; i < 4; ++i) yard.walls.push_back({corners[i], corners[(i + 1) % 4]});
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(14, 9), {12, -11}, {-9, 10}, {-13, -8}, {3, 12}})
+    yard.circles.push_back({p, 0.2});
+  for (const double turn_rad : {-0.9, -0.8, -0.7, 0.7, 0.8, 0.9}) {
+    ScanMotion motion = motion_of();
+    std::mt19937 random(4);
+    Eigen::Vector3d T_map_base(-4.0, 1.0, 0.1);
+    for (int i = 0; i < 6; ++i) {
+      motion.add(ahead(yard.scan(i * kPeriod_us, T_map_base, &random, 0.015)));
+      T_map_base = compose(T_map_base, {1.0, 0.0, 0.0});
+    }
+    const Eigen::Vector3d turn(0.9, 0.4 * turn_rad, turn_rad);
+    const Eigen::Vector3d before = compose(T_map_base, {-1.0, 0.0, 0.0});
+    const auto step =
+        motion.add(ahead(yard.scan(6 * kPeriod_us, compose(before, turn), &random, 0.015)));
+    ASSERT_TRUE(step);
+    EXPECT_LT((step->T_from_to - turn).norm(), 0.08) << turn_rad;
   }
 }
 

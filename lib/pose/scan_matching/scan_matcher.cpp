@@ -45,9 +45,10 @@ constexpr int kPairsMin = 5;
 /// Weight of the residual along a smooth surface while iterating; it stabilises the steps.
 constexpr double kAlongFraction = 0.05;
 
-/// Scale of the distance between a point and the map in the search [m], and its step: from one
-/// candidate to the next no point moves by more.
+/// Scale of the distance between a point and the map in the search [m]. From one turn to the next
+/// no point moves by more.
 constexpr double kSearchKernel_m = 0.3;
+constexpr double kSearchShiftStep_m = 0.15;
 constexpr std::size_t kSearchPoints = 120;
 /// Candidates of the search nearer than this converge to the same fit.
 constexpr double kSameTurn_rad = 0.11;
@@ -171,7 +172,7 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
                                kSearchKernel_m);
   const double turn_step_rad = kSearchKernel_m / farthest_m;
   const int turns = static_cast<int>(std::ceil(geometry::kPi / turn_step_rad));
-  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchKernel_m));
+  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
   std::vector<Place> places;
   std::vector<Eigen::Vector2d> arms_map(some.size());
   for (int turn = -turns; turn <= turns; ++turn) {
@@ -180,7 +181,8 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
     for (std::size_t i = 0; i < some.size(); ++i) arms_map[i] = R * some[i].p;
     for (int x = -shifts; x <= shifts; ++x) {
       for (int y = -shifts; y <= shifts; ++y) {
-        const Eigen::Vector2d base_map = centre.head<2>() + kSearchKernel_m * Eigen::Vector2d(x, y);
+        const Eigen::Vector2d base_map =
+            centre.head<2>() + kSearchShiftStep_m * Eigen::Vector2d(x, y);
         places.push_back({{base_map.x(), base_map.y(), yaw_rad}, raster.score(arms_map, base_map)});
       }
     }
@@ -188,7 +190,8 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.score > b.score; });
   std::vector<Place> tried;
-  ScanMatch best = refined(some, found.T_map_base);
+  ScanMatch best = found;
+  best.score = score(some, found.T_map_base, kScoreKernel_m);
   const double score_to_beat = best.score;
   for (const Place& place : places) {
     if (static_cast<int>(tried.size()) >= kSearchCandidates) break;

@@ -15,7 +15,8 @@ NOT_KEPT = {
     "Degradation": "has_camera_",
     "ExistenceFilter": "config_ p_base_laser_",
     "MapState": "config",
-    "MapperNode": "config_ antenna_base_m_ laser_ blind_ has_camera_ object_width_max_m_ has_reflectors_",
+    "MapperNode": "config_ antenna_base_m_ laser_ blind_ has_camera_ object_width_max_m_ has_reflectors_ "
+                  "has_readers_",
     "ModeCache": "few_",
     "ObservationStore": "memory_",
     "PointGrid": "cells_per_m_",

@@ -42,7 +42,9 @@ for folder in "$data"/*/; do
       alone=out/real/${name}_laser_only
       "$orchard" map "out/real/$name.lcm" --config config/pullally_laser_only.yaml --out "$alone" |
         head -n 2 | sed 's/^/  /'
-      "$clear_trees" "$folder" "$alone" "out/real/$name" | sed 's/^/  /' ;;
+      "$clear_trees" "$folder" "$alone" "out/real/$name" | sed 's/^/  /'
+      "$orchard" evaluate trajectory "$alone" --truth "$folder/poses.csv" --align |
+        awk '/^APE position/ { print "  path from the recording'"'"'s own track: RMS " $5 " m, at most " $10 " m" }' ;;
     koala_*) [ ! -x "$return_of" ] || "$return_of" "$folder" "out/real/$name" "$rig" | sed 's/^/  /' ;;
   esac
 done | tee out/real/summary.txt

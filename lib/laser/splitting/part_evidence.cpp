@@ -11,8 +11,8 @@ namespace {
 
 using geometry::kPi;
 
-/// Probability that what stands somewhere is two touching stems: of a plantation's trees a few in a
-/// hundred have a second one. Five times as many or as few change the pairs found by 0.02.
+/// Prior probability that what stands somewhere is two touching stems: of a plantation's trees a
+/// few in a hundred have a second one.
 constexpr double kPairs = 0.02;
 /// Standard deviations that a chi2 falls below its mean in 1 of 1000 cases.
 constexpr double kRareSigmas = 3.0;

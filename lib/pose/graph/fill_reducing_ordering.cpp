@@ -13,7 +13,7 @@ namespace orchard::pose {
 namespace {
 
 /// Finding an order by nested dissection takes as long as some hundred multiplications per entry
-/// of the matrix (0.06 to 0.14 us an entry, measured with 2000 and 20,000 unknowns).
+/// of the matrix.
 constexpr double kDissectionWork_per_entry = 100.0;
 
 /// The pattern of a factor, without its numbers.

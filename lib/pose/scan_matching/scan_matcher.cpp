@@ -29,7 +29,7 @@ constexpr double kKernelFine_m = 0.10;
 /// Max iterations of each of the two stages; most scans converge in fewer.
 constexpr int kIterationsMax = 25;
 
-/// Score below which the neighbourhood is searched for a better pose.
+/// Score below which all turns and the neighbourhood are searched for a better pose.
 constexpr double kScoreGood = 0.75;
 
 /// Min margin of the score of a pose found by search over the predicted one, which the prior

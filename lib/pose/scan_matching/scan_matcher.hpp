@@ -26,8 +26,8 @@ struct ScanMatch {
 };
 
 /// Registers a scan to the local map by robust ICP: point-to-line on smooth surfaces,
-/// point-to-point elsewhere (after Censi's PL-ICP and KISS-ICP). After a bad fit it searches the
-/// neighbourhood.
+/// point-to-point elsewhere (after Censi's PL-ICP and KISS-ICP). After a bad fit it searches
+/// all turns and the neighbourhood; among fits that are as good, the predicted pose is kept.
 class ScanMatcher {
  public:
   ScanMatcher(const PointMap& map, const ScanMotionConfig& config) : map_(map), config_(config) {}

@@ -70,9 +70,7 @@ class TwoHosts:
         self.link = network.counts.get("mapping", {})
         self.played, self.heard = wire.read_log(drive.log), wire.read_log(heard) if recorder_on_b else []
         self.map = os.path.join(out, "map.csv")
-
-    def difference(self, drive):
-        return Difference(drive.map, self.map)
+        self.compared = Difference(drive.map, self.map)
 
     def true_loss(self, channels):
         """Messages of these channels that one host played and the other did not hear, and all played."""

@@ -2,7 +2,7 @@
 // impaired_link IF_A IF_B [--loss P] [--duplicate P] [--jitter-ms J]
 // [--whole 0|1] [--seed N]: carries Ethernet
 // frames between two interfaces as a bad cable or radio would. Each frame, in either direction, is
-// lost with probability P (with --whole 1 together with all fragments of its datagram), sent twice
+// lost with probability P (with --whole 1 together with all others of its datagram), sent twice
 // with probability P, and held for a random time up to J, so that later ones overtake it. SIGUSR1
 // cuts the link, SIGUSR2 mends it; SIGTERM prints the counts and ends. Needs the right to open
 // packet sockets.
@@ -22,6 +22,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -61,17 +62,69 @@ int open_interface(const char* name) {
   return fd;
 }
 
-/// A number in [0, 1) that all fragments of one IPv4 datagram share; of other frames, of the frame.
-double datagram_number(const Frame& frame, std::size_t size, unsigned seed, double otherwise) {
-  constexpr std::size_t kIp = 14;  // behind the Ethernet header
-  if (size < kIp + 20 || frame[12] != 0x08 || frame[13] != 0x00) return otherwise;
-  std::uint64_t mixed = seed;
-  for (const std::size_t at : {kIp + 4, kIp + 5, kIp + 12, kIp + 13, kIp + 14, kIp + 15}) {
-    mixed = (mixed ^ frame[at]) * 0x100000001b3ULL;
+/// What an Ethernet frame carries of a datagram of LCM.
+struct Carried {
+  std::uint64_t datagram = 0;  // of its first bytes behind LCM's sequence number
+  std::uint64_t offset = 0;    // of the frame's bytes in the datagram
+};
+
+/// Tells by headers which datagram of LCM a frame belongs to.
+///
+/// Which frames are lost must not hang on timing or on numbers that the kernel or the sender count
+/// up, or a test's outcome would change from run to run: what a message says is the same each time.
+class MessageReader {
+ public:
+  /// What a frame carries, or nothing: not LCM, or its beginning was not seen.
+  std::optional<Carried> read(const Frame& frame, std::size_t size_bytes) {
+    constexpr std::size_t kIp = 14;  // behind the Ethernet header
+    if (size_bytes < kIp + 20 || number(frame, 12, 2) != ETHERTYPE_IP) return std::nullopt;
+    const std::uint64_t sender = number(frame, kIp + 12, 4);
+    const auto datagram = std::make_pair(sender, number(frame, kIp + 4, 2));
+    const std::uint64_t offset = (number(frame, kIp + 6, 2) & 0x1fff) * 8;
+    const std::size_t lcm = kIp + (frame[kIp] & 0x0f) * 4 + 8;  // behind the IP and UDP headers
+    if (offset == 0) {
+      datagrams_.erase(datagram);
+      if (size_bytes < lcm + 20) return std::nullopt;
+      const std::uint64_t magic = number(frame, lcm, 4);
+      if (magic != kShortMessage && magic != kFragment) return std::nullopt;
+      datagrams_[datagram] = mixed_bytes(frame, lcm + 8, size_bytes);
+    }
+    const auto found = datagrams_.find(datagram);
+    if (found == datagrams_.end()) return std::nullopt;
+    return Carried{found->second, offset};
   }
-  mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebULL;
-  return static_cast<double>((mixed ^ (mixed >> 31)) >> 11) * 0x1p-53;
+
+ private:
+  static constexpr std::uint64_t kShortMessage = 0x4c433032;  // "LC02"
+  static constexpr std::uint64_t kFragment = 0x4c433033;      // "LC03"
+
+  /// FNV-1a.
+  static std::uint64_t mixed_bytes(const Frame& frame, std::size_t begin, std::size_t end) {
+    std::uint64_t mixed = 0xcbf29ce484222325ULL;
+    for (std::size_t i = begin; i < end; ++i) mixed = (mixed ^ frame[i]) * 0x100000001b3ULL;
+    return mixed;
+  }
+
+  static std::uint64_t number(const Frame& frame, std::size_t at, std::size_t size_bytes) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size_bytes; ++i) value = (value << 8) | frame[at + i];
+    return value;
+  }
+
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t>
+      datagrams_;  // by sender and IP number
+};
+
+/// A number in [0, 1) that looks drawn and is the same for the same input.
+double drawn_for(const Carried& carried, unsigned seed) {
+  std::uint64_t mixed = seed;
+  for (const std::uint64_t value : {carried.datagram, carried.offset}) {
+    mixed = (mixed ^ value) + 0x9e3779b97f4a7c15ULL;
+    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebULL;
+    mixed ^= mixed >> 31;
+  }
+  return static_cast<double>(mixed >> 11) * 0x1p-53;
 }
 
 class Link {
@@ -86,14 +139,14 @@ class Link {
       const ssize_t size = recv(fds_[end], frame.data(), frame.size(), MSG_DONTWAIT);
       if (size <= 0) return;
       ++num_frames_;
-      // Drawn for every frame, so that one seed loses the same ones whatever else is asked for.
-      const double drawn = uniform_(random_);
+      double lose = uniform_(random_);
       const double repeat = uniform_(random_);
       const double first = uniform_(random_);
       const double second = uniform_(random_);
-      const double lose = impairment_.whole ? datagram_number(frame, static_cast<std::size_t>(size),
-                                                              impairment_.seed, drawn)
-                                            : drawn;
+      if (auto carried = reader_.read(frame, static_cast<std::size_t>(size))) {
+        if (impairment_.whole) carried->offset = 0;
+        lose = drawn_for(*carried, impairment_.seed);
+      }
       if (is_cut_ || lose < impairment_.loss) {
         ++num_lost_;
         continue;
@@ -136,6 +189,7 @@ class Link {
 
   int fds_[2];
   Impairment impairment_;
+  MessageReader reader_;
   std::mt19937 random_;
   std::uniform_real_distribution<double> uniform_{0.0, 1.0};
   std::multimap<Clock::time_point, std::pair<int, Frame>> waiting_;

@@ -45,3 +45,21 @@ class Difference:
             return f"the same bytes ({self.num} trees)"
         return (f"{self.gone} gone, {self.new} new of {self.num} trees ({self.percent():.1f} %), "
                 f"offset at most {self.offset_most_mm:.0f} mm")
+
+
+class Total:
+    """What several pairs of maps have otherwise, together."""
+
+    def __init__(self, differences):
+        self.num = self.gone = self.new = 0
+        self.offset_most_mm = 0.0
+        for difference in differences:
+            self.num += difference.num
+            self.gone += difference.gone
+            self.new += difference.new
+            self.offset_most_mm = max(self.offset_most_mm, difference.offset_most_mm)
+
+    def __str__(self):
+        return (f"{self.gone} gone, {self.new} new of {self.num} trees "
+                f"({100.0 * (self.gone + self.new) / max(1, self.num):.1f} %), "
+                f"offset at most {self.offset_most_mm:.0f} mm")

@@ -62,7 +62,7 @@ void mark_displaced_fixes(SlamGraph& graph) {
       hypotheses.correct(distance, position.utime);
     }
   }
-  mark_displaced(hypotheses.best().displaced, graph);
+  mark_displaced(hypotheses.best().histories.likeliest(), graph);
 }
 
 }  // namespace orchard::pose

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pose/filter/fix_hypotheses.hpp"
+#include "pose/filter/displacement_histories.hpp"
 #include "pose/graph/graph.hpp"
 
 namespace orchard::pose {

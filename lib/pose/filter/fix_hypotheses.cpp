@@ -73,6 +73,7 @@ double displaced_fraction(const FixHypotheses::Hypothesis& h) {
 
 bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesis& b) {
   if (a.is_displaced != b.is_displaced) return false;
+  if (a.is_displaced && a.displaces_gnss != b.displaces_gnss) return false;
   Eigen::Vector3d off = b.filter.mean().head<3>() - a.filter.mean().head<3>();
   off.z() = geometry::wrap_angle_rad(off.z());
   const Eigen::Matrix3d P = a.filter.covariance().topLeftCorner<3, 3>();
@@ -107,8 +108,7 @@ void split_heading(FixHypotheses::Hypothesis h, std::vector<FixHypotheses::Hypot
 }  // namespace
 
 FixHypotheses::FixHypotheses(const FusionConfig& config) {
-  Hypothesis first{FusionFilter(config), 0.0, false, {}, 0.0, 0.0, 0.0};
-  all_.push_back(std::move(first));
+  all_.push_back({FusionFilter(config), 0.0, false, true, {}, 0.0, 0.0, 0.0});
 }
 
 double FixHypotheses::best_weight() const {
@@ -136,7 +136,8 @@ void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d&
   Hypothesis displaced = direct;
   displaced.log_weight = std::log(fraction);
   displaced.is_displaced = true;
-  displaced.displaced.push_back({utime, utime, is_gnss});
+  displaced.displaces_gnss = is_gnss;
+  displaced.histories.begin(utime, is_gnss);
   displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
   displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
   all_.push_back(std::move(displaced));
@@ -187,7 +188,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     const double forgotten = 1.0 - std::exp(-since_s / (kDisplacedFor_s * (1.0 - fraction)));
     const double begins = fraction * forgotten;
     const double ends = (1.0 - fraction) * forgotten;
-    const bool other = h.is_displaced && h.displaced.back().is_gnss != observation.is_gnss;
+    const bool other = h.is_displaced && h.displaces_gnss != observation.is_gnss;
     const auto add = [&](Event event, double probability, double log_likelihood, double variance,
                          double yaw_variance = 0.0) {
       if (probability <= 0.0) return;
@@ -233,7 +234,8 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
       case Event::kBegins:
         h.is_displaced = true;
         h.filter.begin_displacement(branch.variance);
-        h.displaced.push_back({utime, utime, observation.is_gnss});
+        h.displaces_gnss = observation.is_gnss;
+        h.histories.begin(utime, observation.is_gnss);
         break;
       case Event::kMoves:
         h.filter.inflate_covariance(branch.variance, branch.yaw_variance);
@@ -243,12 +245,12 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
         h.filter.end_displacement();
         break;
     }
-    const bool is_displaced = h.is_displaced && h.displaced.back().is_gnss == observation.is_gnss;
+    const bool is_displaced = h.is_displaced && h.displaces_gnss == observation.is_gnss;
     const double look = 1.0 - std::exp(-since_s / kDisplacedFor_s);
     h.looks += look;
     if (is_displaced) {
       h.displaced_looks += look;
-      h.displaced.back().end_utime = utime;
+      h.histories.extend(utime);
     } else {
       h.travel_m = 0.0;
     }
@@ -258,13 +260,26 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     if (same == next.end()) {
       next.push_back(std::move(h));
     } else {
-      same->log_weight += std::log1p(std::exp(h.log_weight - same->log_weight));
+      const double odds = std::exp(h.log_weight - same->log_weight);
+      same->histories.merge(h.histories, odds);
+      same->log_weight += std::log1p(odds);
     }
   }
   std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.log_weight > b.log_weight;
   });
   all_ = std::move(next);
+}
+
+std::vector<DisplacementHistory> FixHypotheses::histories() const {
+  DisplacementHistories together = best().histories;
+  double weight = 1.0;
+  for (std::size_t i = 1; i < all_.size(); ++i) {
+    const double added = std::exp(all_[i].log_weight - best().log_weight);
+    together.merge(all_[i].histories, added / weight);
+    weight += added;
+  }
+  return together.all();
 }
 
 PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {

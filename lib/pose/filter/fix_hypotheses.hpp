@@ -5,17 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "pose/filter/displacement_histories.hpp"
 #include "pose/filter/fusion_filter.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::pose {
-
-/// Time in which positions of one source were displaced, e.g. by reflected signals.
-struct DisplacedTime {
-  std::int64_t begin_utime = 0;
-  std::int64_t end_utime = 0;  ///< of the last displaced position
-  bool is_gnss = true;
-};
 
 /// Bank of filters, one for each credible history of which positions were displaced.
 ///
@@ -32,9 +26,10 @@ class FixHypotheses {
     FusionFilter filter;
     double log_weight = 0.0;
     bool is_displaced = false;
-    std::vector<DisplacedTime> displaced;  ///< ascending
-    double travel_m = 0.0;                 ///< since the last direct position
-    double looks = 0.0;                    ///< independent looks at whether positions are displaced
+    bool displaces_gnss = true;  ///< the source of the present displacement, if there is one
+    DisplacementHistories histories;
+    double travel_m = 0.0;  ///< since the last direct position
+    double looks = 0.0;     ///< independent looks at whether positions are displaced
     double displaced_looks = 0.0;
   };
 
@@ -62,6 +57,9 @@ class FixHypotheses {
   void split_unknown_headings(double variance);
 
   void correct(const PositionObservation& observation, std::int64_t utime);
+
+  /// Returns the credible histories of all hypotheses, the likeliest first.
+  std::vector<DisplacementHistory> histories() const;
 
   /// Returns the pose of the likeliest, with the mean square deviation of all from it.
   PoseEstimate estimate(std::int64_t utime) const;

@@ -10,6 +10,7 @@
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 #include "pose/filter/displaced_fixes.hpp"
+#include "pose/filter/path_mixture.hpp"
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/joint_covariance.hpp"
 #include "pose/graph/solver.hpp"
@@ -147,14 +148,21 @@ std::optional<SmoothedPose> PathSmoother::observe(const std::vector<DisplacedTim
   return pose;
 }
 
-void PathSmoother::finish(const std::vector<DisplacedTime>& displaced) {
+void PathSmoother::finish(const std::vector<DisplacementHistory>& histories) {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return;
   const Keyframe& last = graph_.keyframes.back();
   if (motion_.utime() > last.utime) {
     add_keyframe(geometry::compose(last.T_map_base,
                                    motion_.motion().delta_with(graph_.calibrations.back())));
   }
-  solve(displaced);
+  if (!solve(histories.front().displaced)) return;
+  const SlamGraph likeliest = graph_;
+  std::vector<CrediblePath> paths{{histories.front().probability, path()}};
+  for (std::size_t i = 1; i < histories.size(); ++i) {
+    if (solve(histories[i].displaced)) paths.push_back({histories[i].probability, path()});
+    graph_ = likeliest;
+  }
+  mean_ = mean_path(paths);
 }
 
 /// Spreads the difference between dead reckoning over a gap and the pose behind it along the way:
@@ -248,9 +256,15 @@ std::optional<Trajectory> PathSmoother::take_correction() {
   Trajectory trajectory;
   trajectory.utime = motion_.utime();
   trajectory.revision = ++revision_;
-  trajectory.poses.reserve(graph_.keyframes.size());
-  for (const Keyframe& k : graph_.keyframes) trajectory.poses.push_back(pose_estimate(k));
+  trajectory.poses = mean_.empty() ? path() : mean_;
   return trajectory;
+}
+
+std::vector<PoseEstimate> PathSmoother::path() const {
+  std::vector<PoseEstimate> poses;
+  poses.reserve(graph_.keyframes.size());
+  for (const Keyframe& k : graph_.keyframes) poses.push_back(pose_estimate(k));
+  return poses;
 }
 
 }  // namespace orchard::pose

@@ -6,7 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "pose/filter/fix_hypotheses.hpp"
+#include "pose/filter/displacement_histories.hpp"
+#include "pose/filter/fusion_filter.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/pose_config.hpp"
@@ -45,8 +46,9 @@ class PathSmoother {
   /// path contradicts the newest position. Displaced positions are left out.
   std::optional<SmoothedPose> observe(const std::vector<DisplacedTime>& displaced);
 
-  /// Solves with all measurements, at the end of the drive.
-  void finish(const std::vector<DisplacedTime>& displaced);
+  /// Solves with all measurements, at the end of the drive, by each of these histories, the
+  /// likeliest first: the path is the mean of theirs.
+  void finish(const std::vector<DisplacementHistory>& histories);
 
   std::optional<Trajectory> take_correction();
 
@@ -62,6 +64,7 @@ class PathSmoother {
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
   bool solve(const std::vector<DisplacedTime>& displaced);
+  std::vector<PoseEstimate> path() const;
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< motion since the newest keyframe
@@ -73,6 +76,7 @@ class PathSmoother {
   std::size_t before_gap_ = 0;          ///< the last keyframe before that gap
   std::int32_t revision_ = 0;
   bool corrected_ = false;
+  std::vector<PoseEstimate> mean_;  ///< of the paths of all histories, at the end
 };
 
 }  // namespace orchard::pose

@@ -72,7 +72,7 @@ TEST(FixHypotheses, DirectPositionsAreNeverLeftOut) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Drive drive(seed);
     drive.on(60.0, none);
-    EXPECT_TRUE(drive.hypotheses.best().displaced.empty()) << "seed " << seed;
+    EXPECT_TRUE(drive.hypotheses.best().histories.likeliest().empty()) << "seed " << seed;
     EXPECT_LT(drive.error_m(), 0.5);
   }
 }
@@ -83,7 +83,7 @@ TEST(FixHypotheses, AReflectionIsKnownFromItsFirstToItsLastPosition) {
     drive.on(20.0, none);
     const std::int64_t begin = drive.utime;
     drive.on(30.0, [](double t_s) { return Eigen::Vector2d(t_s < 6.0 ? 8.0 : 0.0, 0.0); });
-    const auto& displaced = drive.hypotheses.best().displaced;
+    const auto& displaced = drive.hypotheses.best().histories.likeliest();
     ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
     EXPECT_EQ(displaced[0].begin_utime, begin + 200'000);
     EXPECT_EQ(displaced[0].end_utime, begin + 6'000'000);
@@ -103,11 +103,48 @@ TEST(FixHypotheses, LaterPositionsTellThatTheFirstAfterAGapWereReflected) {
     EXPECT_FALSE(drive.hypotheses.best().is_displaced) << "seed " << seed;
     // Then they stay where a displacement rarely lasts.
     drive.on(60.0, none);
-    const auto& displaced = drive.hypotheses.best().displaced;
+    const auto& displaced = drive.hypotheses.best().histories.likeliest();
     ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
     EXPECT_GT(displaced[0].begin_utime, begin);
     EXPECT_EQ(displaced[0].end_utime, begin + 3'000'000);
     EXPECT_LT(drive.error_m(), 0.6);
+  }
+}
+
+/// Returns the probability of all histories with a displaced time that begins within these.
+double probability_displaced(const FixHypotheses& hypotheses, std::int64_t from, std::int64_t to) {
+  double sum = 0.0;
+  for (const DisplacementHistory& history : hypotheses.histories()) {
+    for (const DisplacedTime& time : history.displaced) {
+      if (time.begin_utime > from && time.begin_utime <= to) {
+        sum += history.probability;
+        break;
+      }
+    }
+  }
+  return sum;
+}
+
+TEST(FixHypotheses, WhatPositionsCannotDecideStaysOpenForGood) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Drive drive(seed);
+    drive.on(20.0, none);
+    drive.gap(15.0);
+    const std::int64_t first = drive.utime;
+    drive.on(10.0, [](double) { return Eigen::Vector2d(4.0, 4.0); });
+    const std::int64_t second = drive.utime;
+    drive.on(10.0, [](double) { return Eigen::Vector2d(-4.0, -4.0); });
+    // As long, and as far from what the wheels say: one of both was reflected.
+    for (const bool later : {false, true}) {
+      if (later) {  // after one more gap the present no longer depends on it
+        drive.gap(100.0);
+        drive.on(60.0, none);
+      }
+      const double p_first = probability_displaced(drive.hypotheses, first, second);
+      const double p_second = probability_displaced(drive.hypotheses, second, second + 10'000'000);
+      EXPECT_GT(p_first, 0.1) << "seed " << seed << (later ? ", later" : "");
+      EXPECT_GT(p_second, 0.1) << "seed " << seed << (later ? ", later" : "");
+    }
   }
 }
 

@@ -44,7 +44,7 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
     smoother.observe({});
   }
   ASSERT_TRUE(smoother.take_correction());  // at the gap's end at the latest
-  smoother.finish({});
+  smoother.finish({DisplacementHistory{}});
   const auto trajectory = smoother.take_correction();
   ASSERT_TRUE(trajectory);
   EXPECT_FALSE(smoother.take_correction());
@@ -56,6 +56,48 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
     EXPECT_LT(std::abs(geometry::wrap_angle_rad(pose.yaw_rad - truth.z())), 0.05);
   }
   EXPECT_EQ(smoother.left_out().num_left_out, 0);
+}
+
+/// Fixes at the end say two things, 8 m apart, each for 20 s; the wheels are too bad to tell.
+TEST(PathSmoother, OfTwoHistoriesThePathIsTheMean) {
+  constexpr double kFrom_s = 100.0, kTo_s = 220.0, kTurn_s = 240.0, kEnd_s = 260.0;
+  const Eigen::Vector2d off_m(8.0, 0.0);
+  const auto end_of = [&](const std::vector<DisplacementHistory>& histories) {
+    PathSmoother smoother{PoseConfig{}};
+    smoother.place(Eigen::Vector3d::Zero());
+    for (int i = 0; i <= static_cast<int>(kEnd_s * 20.0); ++i) {
+      const double time_s = i / 20.0;
+      Odometry odometry;
+      odometry.utime = static_cast<std::int64_t>(1e6 * time_s);
+      odometry.speed_mps = kSpeed_mps;
+      odometry.yaw_rate_radps = kYawRate_radps;
+      smoother.add(odometry, truth_at(time_s));
+      if ((time_s > kFrom_s && time_s < kTo_s) || i % 4 != 0) continue;
+      AbsolutePosition position;
+      position.p_map = truth_at(time_s).head<2>();
+      if (time_s > kTurn_s) position.p_map += off_m;
+      position.covariance = 1e-2 * Eigen::Matrix2d::Identity();
+      position.is_gnss = true;
+      smoother.add(odometry.utime, position, truth_at(time_s));
+    }
+    smoother.finish(histories);
+    const auto trajectory = smoother.take_correction();
+    return trajectory ? trajectory->poses.back() : PoseEstimate{};
+  };
+  const auto utime = [](double time_s) { return static_cast<std::int64_t>(1e6 * time_s); };
+  const std::vector<DisplacedTime> first{{utime(kTo_s), utime(kTurn_s), true}};
+  const std::vector<DisplacedTime> second{{utime(kTurn_s) + 1, utime(kEnd_s), true}};
+  const PoseEstimate by_first = end_of({{1.0, first}});
+  const PoseEstimate by_second = end_of({{1.0, second}});
+  ASSERT_NEAR(std::hypot(by_first.x_m - by_second.x_m, by_first.y_m - by_second.y_m), 8.0, 0.5);
+  const PoseEstimate by_both = end_of({{0.75, second}, {0.25, first}});
+  EXPECT_NEAR(by_both.x_m, 0.75 * by_second.x_m + 0.25 * by_first.x_m, 0.01);
+  EXPECT_NEAR(by_both.y_m, 0.75 * by_second.y_m + 0.25 * by_first.y_m, 0.01);
+  // Two points 8 m apart, three to one: 0.75 * 0.25 * 8^2 more.
+  EXPECT_NEAR(by_both.covariance[0] + by_both.covariance[3],
+              0.75 * (by_second.covariance[0] + by_second.covariance[3]) +
+                  0.25 * (by_first.covariance[0] + by_first.covariance[3]) + 12.0,
+              1.0);
 }
 
 }  // namespace

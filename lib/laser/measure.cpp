@@ -20,6 +20,10 @@ constexpr std::size_t kFewestBeamsOfAShape = 5;
 /// Largest chi2 per degree of freedom of an accepted circle.
 constexpr double kWorstFit = 4.0;
 
+/// A circle is rejected if it does not cover the visible beams even with a radius this many
+/// standard deviations larger. Beams that miss a circle have no weight in the fit.
+constexpr double kRadius_sigma = 2.0;
+
 /// Lower limit of the measured angular width, in beam steps: subtracting a spot wider than the beam
 /// step from a thin object would give zero or less.
 constexpr double kThinnest_beams = 0.1;
@@ -85,6 +89,18 @@ double circle_rms_m(const Arc& arc, const CircleFit& circle) {
   return std::sqrt(sum_m2 / (static_cast<double>(arc.ranges_m.size()) - 3.0));
 }
 
+/// Angle that a circle subtends.
+double full_angle_rad(const CircleFit& circle) {
+  return 2.0 * std::asin(std::min(1.0, circle.radius_m / std::hypot(circle.x_m, circle.y_m)));
+}
+
+/// Angle that a circle subtends if its radius is kRadius_sigma standard deviations larger.
+double widest_angle_rad(const CircleFit& circle) {
+  CircleFit wide = circle;
+  wide.radius_m += kRadius_sigma * std::sqrt(circle.covariance[5]);
+  return full_angle_rad(wide);
+}
+
 /// Transforms a circle from the arc's frame to the laser frame: rotates it by the bearing of the
 /// first beam and mirrors it for clockwise scanners.
 CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockwise) {
@@ -139,10 +155,11 @@ void measure_shape(const Scan& scan, const Candidate& candidate, const Sides& si
                                                    : 0.5;
   }
   if (!circle || !enough || circle->chi2_per_dof() > kWorstFit) return;
-  const double full_rad =
-      2.0 * std::asin(std::min(1.0, circle->radius_m / std::hypot(circle->x_m, circle->y_m)));
+  const double full_rad = full_angle_rad(*circle);
+  const double visible_rad = arc.high_side_rad - arc.low_side_rad;
   if (hidden) {
-    s.visible_fraction = std::min(1.0, (arc.high_side_rad - arc.low_side_rad) / full_rad);
+    if (visible_rad > widest_angle_rad(*circle) + 2.0 * std::abs(scan.bearing_step_rad)) return;
+    s.visible_fraction = std::min(1.0, visible_rad / full_rad);
   }
   s.circle = in_laser_frame(*circle, scan.bearing_rad(static_cast<double>(s.first_beam)),
                             scan.bearing_step_rad < 0.0);

@@ -41,7 +41,8 @@ struct Segment {
   int num_foregrounds = 0;  ///< number of thin objects (grass, twigs) that hide some of its beams
 
   /// Circle fitted to the visible arc, laser frame. Needs SegmentationConfig::min_beams_circle
-  /// beams (twice as many with a hidden side) and an acceptable chi2 per degree of freedom.
+  /// beams (twice as many with a hidden side), an acceptable chi2 per degree of freedom, and with a
+  /// hidden side that it covers the visible beams.
   std::optional<CircleFit> circle;
   /// Visible fraction of the circle's angular width; 1 unless a side is hidden and a circle fits.
   double visible_fraction = 1.0;

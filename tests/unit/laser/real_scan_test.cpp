@@ -82,6 +82,25 @@ TEST(RealScan, TheMiddleOfATrunkSaysLittleOfItsWidthAndSaysSo) {
   }
 }
 
+TEST(RealScan, ACircleThatMostBeamsMissIsNotTheObject) {
+  // A face 0.5 m wide that recedes, its far end hidden: a small circle at its near end fits a few
+  // beams, and the others, which miss it, do not contradict the fit.
+  Scanner scanner = test::field_scanner();
+  scanner.range_sd_m = 0.012;
+  for (const double slant : {0.4, 0.6, 0.8}) {
+    const test::Wall face{5.0, 0.0, 5.0 + 0.6 * slant, 0.6};
+    const Things things{{}, {face, screen(3.0, 0.1, 0.5)}};
+    for (int seed = 0; seed < 40; ++seed) {
+      Noise noise(static_cast<std::uint64_t>(seed));
+      const auto found = segment(noisy_scan(things, scanner, noise), {}, {}, noise_of(scanner));
+      for (const Segment& s : found) {
+        if (s.range_m < 4.5 || s.num_beams < 15) continue;
+        EXPECT_GT(s.width_m, 0.4) << slant << " " << seed;
+      }
+    }
+  }
+}
+
 TEST(RealScan, TheEndsOfAScanHideWhatLiesBeyond) {
   Scanner narrow = urg();
   narrow.num_beams = 201;  // +-35 degrees

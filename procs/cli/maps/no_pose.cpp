@@ -48,8 +48,9 @@ std::string no_pose_text(const pose::PoseConfig& config, const std::vector<bus::
     text += " (pose.motion: scans estimates the motion from the scans instead)";
   }
   if (!state.empty()) text += "; the pose estimation reports: " + state;
-  if (channels.empty() && state.empty())
-    text += ": it has the inputs, but no pose could be computed from them";
+  // With all inputs there, what the estimation reports also says what to do.
+  if (channels.empty() && !state.empty()) return text;
+  if (channels.empty()) text += ": it has the inputs, but no pose could be computed from them";
   return text +
          "; list the channels of the log with `orchard log info` and set pose.mode accordingly";
 }

@@ -356,6 +356,12 @@ std::string Fusion::warning() const {
         !left_out.empty()) {
       all += left_out + "; ";
     }
+    if (smoother_ && smoother_->open_sd_m() > 0.0) {
+      all += fmt::format(
+          "it is open which positions were displaced, e.g. by reflected signals: the path is the "
+          "mean of several, {:.1f} m apart (one sigma) where they differ most; ",
+          smoother_->open_sd_m());
+    }
     if (num_frozen_ > 0)
       all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);
     if (num_odometry_gaps_ > 0) {

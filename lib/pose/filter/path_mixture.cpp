@@ -2,6 +2,8 @@
 #include "pose/filter/path_mixture.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "geometry/angles.hpp"
@@ -42,6 +44,24 @@ std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths) {
     }
   }
   return mixed;
+}
+
+double notable_spread_m(const std::vector<CrediblePath>& paths) {
+  std::vector<CrediblePath> exact = paths;
+  for (CrediblePath& path : exact) {
+    for (PoseEstimate& pose : path.poses) pose.covariance = {};
+  }
+  double largest2 = 0.0;
+  const std::vector<PoseEstimate> spread = mean_path(exact);
+  for (std::size_t i = 0; i < spread.size(); ++i) {
+    const auto position_variance = [](const PoseEstimate& pose) {
+      return pose.covariance[0] + pose.covariance[3];
+    };
+    const double own2 = position_variance(paths.front().poses[i]);
+    const double among2 = position_variance(spread[i]);
+    if (among2 > own2) largest2 = std::max(largest2, among2);
+  }
+  return std::sqrt(largest2);
 }
 
 }  // namespace orchard::pose

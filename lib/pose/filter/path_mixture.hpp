@@ -20,4 +20,8 @@ struct CrediblePath {
 /// averaged about those of the first, the likeliest.
 std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths);
 
+/// Returns the largest standard deviation of these paths' positions about their mean [m]; 0 unless
+/// it exceeds what the likeliest, the first, says of its own position there.
+double notable_spread_m(const std::vector<CrediblePath>& paths);
+
 }  // namespace orchard::pose

@@ -163,6 +163,7 @@ void PathSmoother::finish(const std::vector<DisplacementHistory>& histories) {
     graph_ = likeliest;
   }
   mean_ = mean_path(paths);
+  open_sd_m_ = notable_spread_m(paths);
 }
 
 /// Spreads the difference between dead reckoning over a gap and the pose behind it along the way:

@@ -58,6 +58,10 @@ class PathSmoother {
   /// Returns the fixes that contradict the path of the last solve.
   RejectedFixes left_out() const { return rejected_fixes(graph_); }
 
+  /// Returns how far the paths by equally credible histories lie apart at the end: their standard
+  /// deviation where it is largest [m]; 0 if they are as one.
+  double open_sd_m() const { return open_sd_m_; }
+
  private:
   void close_gap();
   bool is_plausible() const;
@@ -77,6 +81,7 @@ class PathSmoother {
   std::int32_t revision_ = 0;
   bool corrected_ = false;
   std::vector<PoseEstimate> mean_;  ///< of the paths of all histories, at the end
+  double open_sd_m_ = 0.0;
 };
 
 }  // namespace orchard::pose

@@ -56,6 +56,15 @@ TEST(PathMixture, TheCovarianceIsThatOfDrawnPoses) {
   EXPECT_LT(moments(0, 0) + moments(1, 1), 0.8 * likeliest2);
 }
 
+TEST(PathMixture, ASpreadIsNotableWhereItExceedsThePathsOwn) {
+  const std::vector<PoseEstimate> a{pose_at(0.0, 0.0, 0.0, 1.0), pose_at(5.0, 0.0, 0.0, 1.0)};
+  const std::vector<PoseEstimate> far{pose_at(0.0, 0.0, 0.0, 1.0), pose_at(5.0, 8.0, 0.0, 1.0)};
+  const std::vector<PoseEstimate> near{pose_at(0.0, 0.0, 0.0, 1.0), pose_at(5.0, 1.0, 0.0, 1.0)};
+  EXPECT_DOUBLE_EQ(notable_spread_m({{0.5, a}, {0.5, far}}), 4.0);
+  EXPECT_DOUBLE_EQ(notable_spread_m({{0.5, a}, {0.5, near}}), 0.0);
+  EXPECT_DOUBLE_EQ(notable_spread_m({{1.0, a}}), 0.0);
+}
+
 TEST(PathMixture, HeadingsAreAveragedAcrossPi) {
   const PoseEstimate a = pose_at(0.0, 0.0, geometry::kPi - 0.1, 1.0);
   const PoseEstimate b = pose_at(0.0, 0.0, 0.2 - geometry::kPi, 1.0);

@@ -11,8 +11,8 @@ namespace {
 
 /// Minimum number of observations for a scatter.
 constexpr int kObservationsMin = 10;
-/// Quantile of the scatter of the trees of rows; a few have suckers or lean.
-constexpr double kOfTrees = 0.9;
+/// Quantile of the scatter of the trees of rows: one in twenty may have suckers or lean.
+constexpr double kOfTrees = 0.95;
 
 /// Standard deviation of single observations about their mean, per axis [m].
 double scatter_m(const Landmark& l) {

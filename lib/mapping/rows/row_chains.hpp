@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "mapping/rows/row_direction.hpp"
@@ -12,6 +14,9 @@ inline constexpr double kTurnMax_cos = 0.866;
 
 /// Indices of the trees of one row, in order along its direction.
 using RowChain = std::vector<std::int32_t>;
+
+/// Index of a chain's element in the list of all trees.
+inline std::size_t index_of(std::int32_t tree) { return static_cast<std::size_t>(tree); }
 
 /// Links trees that follow each other in a row. Short links are made first, so that a gap of
 /// missing trees is bridged only where no nearer tree fits. Gaps up to `gap_max_spacings`.

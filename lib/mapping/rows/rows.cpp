@@ -9,17 +9,18 @@
 #include "geometry/angles.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_chains.hpp"
-#include "mapping/rows/row_ends.hpp"
-#include "mapping/rows/row_evidence.hpp"
+#include "mapping/rows/row_field.hpp"
 #include "mapping/rows/row_members.hpp"
 #include "mapping/rows/row_order.hpp"
+#include "mapping/rows/row_selection.hpp"
 #include "mapping/rows/row_slots.hpp"
+#include "mapping/rows/row_tracks.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Minimum number of trees of a row: two are always in line.
-constexpr int kRowTreesMin = 3;
+/// How often the regularity of the rows is learnt from the rows that were found with it.
+constexpr int kLearningRounds = 3;
 
 /// Gaps longer than this, in tree spacings, end a row.
 constexpr double kGapMax_spacings = 8.0;
@@ -84,50 +85,49 @@ void begin_at_origin(Lines& lines, const Vector2d& origin) {
 }  // namespace
 
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config) {
-  const std::vector<const Landmark*> all = trees_of(landmarks);
-  std::vector<Vector2d> p_all;
-  for (const Landmark* tree : all) p_all.push_back({tree->x_m, tree->y_m});
-  const std::vector<double> strength_of_all = row_strengths(all);
-  const SeedTrees chosen = seed_trees(p_all, strength_of_all);
+  const std::vector<const Landmark*> trees = trees_of(landmarks);
   Lines lines;
-  std::vector<const Landmark*> trees;
-  std::vector<double> strengths;
-  const auto take = [&](std::size_t i) {
-    trees.push_back(all[i]);
-    lines.p_map.push_back(p_all[i]);
-    strengths.push_back(strength_of_all[i]);
-  };
-  for (const std::size_t i : chosen.seeds) take(i);
-  lines.rows = row_directions(lines.p_map);
-  if (lines.rows.directions.empty()) return {};
-  if (forward_of(lines.rows.directions, config).dot(lines.rows.directions.front()) < 0.0) {
-    for (Vector2d& u : lines.rows.directions) u = -u;
+  for (const Landmark* tree : trees) lines.p_map.push_back({tree->x_m, tree->y_m});
+  const std::vector<double> strengths = row_strengths(trees);
+
+  // First guess: links between trees of full strength that are next to each other.
+  const std::vector<std::size_t> seeds = seed_trees(lines.p_map, strengths);
+  std::vector<Vector2d> p_seeds;
+  for (const std::size_t i : seeds) p_seeds.push_back(lines.p_map[i]);
+  RowDirections guess = row_directions(p_seeds);
+  if (guess.directions.empty()) return {};
+  if (forward_of(guess.directions, config).dot(guess.directions.front()) < 0.0) {
+    for (Vector2d& u : guess.directions) u = -u;
   }
-  lines.chains = row_chains(lines.p_map, lines.rows, kGapMax_spacings);
-  bridge_chain_gaps(lines.p_map, lines.rows, lines.chains);
-  const IndexedPoints seeds(lines.p_map);
-  std::vector<std::size_t> rest;
-  for (const std::size_t i : chosen.rest) {
-    const std::int32_t k = seeds.nearest(p_all[i], 1.5 * lines.rows.spacing_m);
-    if (k < 0) continue;
-    rest.push_back(trees.size());
-    take(i);
-    lines.rows.directions.push_back(lines.rows.directions[static_cast<std::size_t>(k)]);
-  }
-  join_weak_trees(lines.p_map, lines.rows, rest, lines.chains);
-  for (RowChain& chain : lines.chains) chain = select_trees_in_slots(lines.p_map, strengths, chain);
-  const Vector2d forward = forward_of(lines.rows.directions, config).normalized();
-  const auto is_no_row = [&](const RowChain& chain) {
-    if (chain.size() < static_cast<std::size_t>(kRowTreesMin)) return true;
-    const Vector2d chord = lines.p_map[static_cast<std::size_t>(chain.back())] -
-                           lines.p_map[static_cast<std::size_t>(chain.front())];
+  const Vector2d forward = forward_of(guess.directions, config).normalized();
+  const auto runs_across = [&](const RowChain& chain) {
+    const Vector2d chord =
+        lines.p_map[index_of(chain.back())] - lines.p_map[index_of(chain.front())];
     return chord.dot(forward) < kAcross_cos * chord.norm();
   };
-  lines.chains.erase(std::remove_if(lines.chains.begin(), lines.chains.end(), is_no_row),
-                     lines.chains.end());
-  drop_irregular_chains(lines.p_map, lines.chains);
-  if (lines.chains.empty()) return {};
-  trim_row_ends(lines.p_map, lines.rows.spacing_m, lines.chains);
+  std::vector<RowChain> known = row_chains(p_seeds, guess, kGapMax_spacings);
+  for (RowChain& chain : known) {
+    for (std::int32_t& i : chain) i = static_cast<std::int32_t>(seeds[index_of(i)]);
+  }
+
+  // What the rows found so far tell of the orchard's rows decides which trees are in rows.
+  std::vector<RowTrack> tracks;
+  for (int round = 0; round < kLearningRounds; ++round) {
+    known.erase(std::remove_if(known.begin(), known.end(), runs_across), known.end());
+    const std::vector<LocalRows> local = local_rows(lines.p_map, guess.spacing_m, known);
+    tracks = row_tracks(lines.p_map, strengths, local, known);
+    known.clear();
+    for (const RowTrack& track : tracks) known.push_back(track.chain);
+    lines.rows.directions.clear();
+    for (const LocalRows& here : local) lines.rows.directions.push_back(here.direction);
+  }
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
+                              [&](const RowTrack& track) { return runs_across(track.chain); }),
+               tracks.end());
+  keep_probable_rows(lines.p_map, tracks);
+  if (tracks.empty()) return {};
+  for (RowTrack& track : tracks) lines.chains.push_back(std::move(track.chain));
+  lines.rows.spacing_m = guess.spacing_m;
   order_from_left(lines.p_map, lines.rows, lines.chains);
   if (config.numbering == RowNumbering::kOrigin) {
     begin_at_origin(lines, {config.origin_m[0], config.origin_m[1]});

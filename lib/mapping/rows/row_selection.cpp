@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/rows/row_evidence.hpp"
+#include "mapping/rows/row_selection.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,57 +9,22 @@
 #include <optional>
 
 #include "geometry/statistics.hpp"
-#include "mapping/rows/row_slots.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Standard deviation of a planted step, in spacings: trees lean and are seen from the side.
-constexpr double kEvidenceSd_spacings = 0.12;
-/// Log odds of a single step without deviation: density of a planted row with 90 % of the slots
-/// filled, against one random object per spacing: ln(0.9 / (0.12 sqrt(2 pi))) + 1.
-constexpr double kExactStep = 2.1;
-/// Reduction of the log odds per empty slot: -(ln(0.1) + 1).
-constexpr double kEmptyPlace = 1.3;
-/// Limit of a step's negative log odds: a larger deviation is a false tree.
-constexpr double kStepCostMax = 4.0;
-/// Max relative difference of equal spacings.
-constexpr double kSameSpacing = 0.15;
-/// Minimum log odds of a row: two good steps of the orchard's spacing, or three of another.
-constexpr double kRowMin = 3.3;
-/// An end of a row is cut off if its log odds are below minus this.
-constexpr double kEndMin = 4.0;
-/// Minimum number of trees of the rows that determine the orchard's spacing, if there are such
-/// rows.
-constexpr std::size_t kTelling = 5;
+/// Max number of rows in a map that are none, expected from objects at any position.
+constexpr double kFalseRowsMax = 0.01;
+/// Min probability of a row against a hedge.
+constexpr double kSure = 0.9;
+constexpr int kPriorRounds = 10;
 /// Minimum distance of a row from a more certain one, as a fraction of the rows' distance.
 constexpr double kNearest_pitches = 0.6;
 
 const Vector2d& at(const std::vector<Vector2d>& p_map, std::int32_t i) {
   return p_map[static_cast<std::size_t>(i)];
-}
-
-std::vector<double> steps_of(const std::vector<Vector2d>& p_map, const RowChain& chain) {
-  std::vector<double> steps_m;
-  for (std::size_t i = 1; i < chain.size(); ++i) {
-    steps_m.push_back((at(p_map, chain[i]) - at(p_map, chain[i - 1])).norm());
-  }
-  return steps_m;
-}
-
-double orchard_spacing_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains) {
-  for (const std::size_t telling : {kTelling, std::size_t{2}}) {
-    std::vector<double> spacings_m;  // one per step: weights rows by length
-    for (const RowChain& chain : chains) {
-      if (chain.size() < telling) continue;
-      const double single_m = single_step_m(steps_of(p_map, chain));
-      spacings_m.insert(spacings_m.end(), chain.size() - 1, single_m);
-    }
-    if (!spacings_m.empty()) return geometry::median(std::move(spacings_m));
-  }
-  return 0.0;
 }
 
 /// Median distance of a chain's trees from the line of another chain, over the trees beside it;
@@ -177,73 +142,65 @@ double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& 
   return pitches_m.empty() ? 0.0 : geometry::median(std::move(pitches_m));
 }
 
-double step_log_odds(double spacings) {
-  const double places = std::max(1.0, std::round(spacings));
-  const double off = (spacings - places) / kEvidenceSd_spacings;
-  return std::max(-kStepCostMax,
-                  kExactStep - 0.5 * off * off / places - kEmptyPlace * (places - 1.0));
-}
-
-}  // namespace
-
-RowEvidence row_evidence(const std::vector<Vector2d>& p_map, const RowChain& chain,
-                         double orchard_spacing_m) {
-  RowEvidence evidence;
-  evidence.last = chain.empty() ? 0 : chain.size() - 1;
-  if (chain.size() < 2) return evidence;
-  const std::vector<double> steps_m = steps_of(p_map, chain);
-  const double spacing_m = std::max(1e-3, single_step_m(steps_m));
-  // Maximum-sum run of steps, and the sums before and after it.
-  double run = 0.0, before_run = 0.0, sum = 0.0, best = 0.0, before = 0.0, upto = 0.0;
-  std::size_t begin = 0, first = 0, last = 0;
-  for (std::size_t k = 0; k < steps_m.size(); ++k) {
-    const double step = step_log_odds(steps_m[k] / spacing_m);
-    if (run < 0.0) run = 0.0, begin = k, before_run = sum;
-    run += step;
-    sum += step;
-    if (run > best) best = run, first = begin, last = k + 1, before = before_run, upto = sum;
-  }
-  if (before < -kEndMin) evidence.first = first;
-  if (sum - upto < -kEndMin) evidence.last = last;
-  // A spacing of its own is estimated from one of the steps, which is then no evidence.
-  const bool is_orchards = std::abs(spacing_m - orchard_spacing_m) <
-                           kSameSpacing * std::max(spacing_m, orchard_spacing_m);
-  evidence.log_odds = is_orchards ? best : best - kExactStep;
-  return evidence;
-}
-
-void drop_irregular_chains(const std::vector<Vector2d>& p_map, std::vector<RowChain>& chains) {
-  const double spacing_m = orchard_spacing_m(p_map, chains);
-  std::vector<RowChain> regular;
+/// Removes tracks that are too close to a more probable one for the row distance of this orchard.
+void drop_crowded_tracks(const std::vector<Vector2d>& p_map, std::vector<RowTrack>& tracks) {
+  if (tracks.empty()) return;
+  std::vector<RowChain> chains;
   std::vector<double> log_odds;
-  for (RowChain& chain : chains) {
-    const RowEvidence evidence = row_evidence(p_map, chain, spacing_m);
-    if (evidence.log_odds < kRowMin) continue;
-    regular.emplace_back(chain.begin() + static_cast<std::ptrdiff_t>(evidence.first),
-                         chain.begin() + static_cast<std::ptrdiff_t>(evidence.last) + 1);
-    log_odds.push_back(evidence.log_odds);
+  for (const RowTrack& track : tracks) {
+    chains.push_back(track.chain);
+    log_odds.push_back(track.log_odds);
   }
-  chains.clear();
-  if (regular.empty()) return;
-  const ChainNeighbours neighbours(p_map, regular);
-  const double nearest_m = kNearest_pitches * pitch_m(p_map, regular, neighbours, log_odds);
-  std::vector<std::size_t> by_odds(regular.size());
+  const ChainNeighbours neighbours(p_map, chains);
+  const double nearest_m = kNearest_pitches * pitch_m(p_map, chains, neighbours, log_odds);
+  std::vector<std::size_t> by_odds(chains.size());
   std::iota(by_odds.begin(), by_odds.end(), std::size_t{0});
   std::stable_sort(by_odds.begin(), by_odds.end(),
                    [&](std::size_t a, std::size_t b) { return log_odds[a] > log_odds[b]; });
-  std::vector<char> is_kept(regular.size(), 0);
+  std::vector<char> is_kept(chains.size(), 0);
   for (const std::size_t a : by_odds) {
     bool crowds = false;
     neighbours.visit_near(a, nearest_m, [&](std::size_t b, double&) {
       if (crowds || !is_kept[b]) return;
-      const auto distance_m = beside_m(p_map, regular[a], regular[b]);
+      const auto distance_m = beside_m(p_map, chains[a], chains[b]);
       crowds = distance_m && *distance_m < nearest_m;
     });
     is_kept[a] = !crowds;
   }
-  for (std::size_t a = 0; a < regular.size(); ++a) {
-    if (is_kept[a]) chains.push_back(std::move(regular[a]));
+  std::vector<RowTrack> kept;
+  for (std::size_t a = 0; a < chains.size(); ++a) {
+    if (is_kept[a]) kept.push_back(std::move(tracks[a]));
   }
+  tracks = std::move(kept);
+}
+
+/// Log odds that a line of objects in this map is a row and not a hedge, from all its lines
+/// (expectation maximisation); one more of either kind is assumed.
+double log_odds_of_rows(const std::vector<RowTrack>& tracks) {
+  double prior = 0.0;
+  for (int round = 0; round < kPriorRounds; ++round) {
+    double num_rows = 1.0;
+    for (const RowTrack& track : tracks) {
+      num_rows += 1.0 / (1.0 + std::exp(-track.log_odds_in_line - prior));
+    }
+    prior = std::log(num_rows / (static_cast<double>(tracks.size()) + 2.0 - num_rows));
+  }
+  return prior;
+}
+
+}  // namespace
+
+void keep_probable_rows(const std::vector<Vector2d>& p_map, std::vector<RowTrack>& tracks) {
+  const auto drop_if = [&](const auto& is_no_row) {
+    tracks.erase(std::remove_if(tracks.begin(), tracks.end(), is_no_row), tracks.end());
+  };
+  drop_if([](const RowTrack& track) { return track.chain.size() < kRowTreesMin; });
+  const double prior = log_odds_of_rows(tracks);
+  drop_if([&](const RowTrack& track) {
+    return track.log_odds < -std::log(kFalseRowsMax) ||
+           track.log_odds_in_line + prior < std::log(kSure / (1.0 - kSure));
+  });
+  drop_crowded_tracks(p_map, tracks);
 }
 
 }  // namespace orchard::mapping

@@ -9,6 +9,7 @@
 
 #include "detection/detection.hpp"
 #include "mapping/existence/free_space.hpp"
+#include "mapping/extent/long_objects.hpp"
 #include "mapping/label_conflicts.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"
@@ -60,9 +61,9 @@ class Mapper {
   /// next update().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
 
-  /// Returns a test whether scans hit something at a map position too often for it to be free; same
-  /// validity as seen_free().
-  std::function<bool(const Eigen::Vector2d& p_map)> seen_blocked() const;
+  /// Returns a test whether the beams into a passage mostly end in it; same validity as
+  /// seen_free().
+  PassageTest seen_shut() const;
 
   /// Ids of landmarks that never existed, judged by all scans (existence/spurious_landmarks.hpp).
   std::vector<std::int32_t> spurious_ids() const;

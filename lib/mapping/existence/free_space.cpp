@@ -119,6 +119,55 @@ double FreeSpace::beam_of(const Vector2d& p_laser) const {
          geometry::wrap_angle_rad(bearing_rad - bearing_middle_rad_) / bearing_step_rad_;
 }
 
+double FreeSpace::bearing_of(double beam) const {
+  return bearing_middle_rad_ +
+         (beam - 0.5 * (static_cast<double>(codes_.size()) - 1)) * bearing_step_rad_;
+}
+
+/// Whether a beam is known to go on beyond a range.
+bool FreeSpace::is_beyond(std::uint8_t code, double range_m) const {
+  if (code == kBeyondReach) return true;
+  if (code == kNoReturn) return range_m < no_return_m_;
+  return code != kSaysNothing && (code - 0.5) * reach_m_ / kFarthest > range_m;
+}
+
+PassageBeams FreeSpace::through(const Vector2d& from_base, const Vector2d& to_base,
+                                double half_depth_m, double clear_m) const {
+  if (codes_.empty()) return {};
+  const double last = static_cast<double>(codes_.size()) - 1;
+  const double middle = beam_of(in_laser(0.5 * (from_base + to_base), 0.0));
+  const double sent_at = std::clamp(middle, 0.0, last);
+  const Vector2d from = in_laser(from_base, sent_at), to = in_laser(to_base, sent_at);
+  const double length_m = (to - from).norm();
+  const Vector2d along = (to - from) / std::max(1e-9, length_m);
+  Vector2d across(-along.y(), along.x());
+  if (from.dot(across) < 0.0) across = -across;
+  const double side_m = from.dot(across);  // of the laser, from the line
+  const double range_m = (0.5 * (from + to)).norm(),
+               half_m = std::hypot(0.5 * length_m, half_depth_m);
+  PassageBeams beams;
+  if (range_m <= half_m || range_m + half_m > reach_m_) return beams;
+  const double half_beams = std::asin(half_m / range_m) / std::abs(bearing_step_rad_);
+  const auto is_between = [&](double s_m) { return s_m >= 0.0 && s_m <= length_m; };
+  for (double k = std::ceil(std::max(0.0, middle - half_beams));
+       k <= std::min(last, middle + half_beams); ++k) {
+    const std::uint8_t code = codes_[static_cast<std::size_t>(k)];
+    const double bearing_rad = bearing_of(k);
+    const Vector2d ray(std::cos(bearing_rad), std::sin(bearing_rad));
+    if (code >= 1 && code <= kFarthest) {
+      const Vector2d hit = (code - 0.5) * reach_m_ / kFarthest * ray - from;
+      beams.num_within += is_between(hit.dot(along)) && std::abs(hit.dot(across)) <= half_depth_m;
+    }
+    const double per_m = std::max(1e-9, ray.dot(across));
+    const double enters_m = (side_m - half_depth_m) / per_m,
+                 leaves_m = (side_m + half_depth_m) / per_m;
+    const bool crosses = side_m > half_depth_m && is_between((enters_m * ray - from).dot(along)) &&
+                         is_between((leaves_m * ray - from).dot(along));
+    beams.num_through += crosses && is_beyond(code, leaves_m + clear_m);
+  }
+  return beams;
+}
+
 FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_m) const {
   if (codes_.empty()) return {};
   const double last = static_cast<double>(codes_.size()) - 1;

@@ -28,6 +28,13 @@ struct FreeSpaceAnswer {
   int num_across = 0;  ///< beams across the object's own width; kPassesThrough only
 };
 
+/// Beams of a scan towards a passage between two objects. Beams that end before it or soon after it
+/// count neither way.
+struct PassageBeams {
+  int num_within = 0;  ///< end in it
+  int num_through = 0;
+};
+
 /// Free-space evidence of one scan: tells whether its beams return from a position or pass through
 /// it. Compact: one byte per beam.
 class FreeSpace {
@@ -51,6 +58,12 @@ class FreeSpace {
   /// either.
   FreeSpaceAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
+  /// Counts the beams through a passage and those that end in it. The passage is the line between
+  /// two positions in base, widened by `half_depth_m` to each side; a beam through it goes on for
+  /// `clear_m` at least.
+  PassageBeams through(const Eigen::Vector2d& from_base, const Eigen::Vector2d& to_base,
+                       double half_depth_m, double clear_m) const;
+
   /// Serializes all data to bytes, for unpack() of the same program. unpack() throws
   /// std::length_error when there are too few.
   std::vector<std::uint8_t> pack() const;
@@ -62,6 +75,8 @@ class FreeSpace {
   FreeSpace() = default;
   Eigen::Vector2d in_laser(const Eigen::Vector2d& p_base, double beam) const;
   double beam_of(const Eigen::Vector2d& p_laser) const;
+  double bearing_of(double beam) const;
+  bool is_beyond(std::uint8_t code, double range_m) const;
 
   std::int64_t utime_ = 0;
   laser::LaserConfig laser_;

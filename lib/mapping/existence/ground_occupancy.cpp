@@ -96,9 +96,30 @@ bool GroundOccupancy::is_free(const Eigen::Vector2d& p_map) {
   return votes.is_driven || (votes.num_passes > 0 && votes.is_passable());
 }
 
-bool GroundOccupancy::is_blocked(const Eigen::Vector2d& p_map) {
-  const Votes votes = votes_at(p_map);
-  return !votes.is_driven && votes.num_returns > 0 && !votes.is_passable();
+bool GroundOccupancy::is_open(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
+                              double half_depth_m, double clear_m) {
+  int num_scans = 0;
+  Votes votes;
+  for (const auto& [square, i] : scans_near(0.5 * (from_map + to_map))) {
+    const Scan& scan = scans_[static_cast<std::size_t>(i)];
+    const FreeSpace* beams = free_space(scan.number);
+    if (beams == nullptr) continue;
+    const PassageBeams seen =
+        beams->through(geometry::inverse_transform(scan.x_y_yaw, from_map),
+                       geometry::inverse_transform(scan.x_y_yaw, to_map), half_depth_m, clear_m);
+    if (seen.num_within + seen.num_through == 0) continue;
+    votes.num_passes += seen.num_through;
+    votes.num_returns += seen.num_within;
+    if (++num_scans >= kVotes) break;
+  }
+  return votes.num_passes > 0 && votes.is_passable();
+}
+
+bool GroundOccupancy::is_shut(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
+                              double half_depth_m, double clear_m) {
+  const Votes votes = votes_at(0.5 * (from_map + to_map));
+  return !votes.is_driven && votes.num_returns > 0 && !votes.is_passable() &&
+         !is_open(from_map, to_map, half_depth_m, clear_m);
 }
 
 }  // namespace orchard::mapping

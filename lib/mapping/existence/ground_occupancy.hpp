@@ -33,8 +33,11 @@ class GroundOccupancy {
   /// Whether a position in map, 0.2 m wide, was observed free or was driven over.
   bool is_free(const Eigen::Vector2d& p_map);
 
-  /// Whether scans hit something at a position too often for it to be free.
-  bool is_blocked(const Eigen::Vector2d& p_map);
+  /// Whether scans hit something between two positions too often for it to be free, and do not
+  /// mostly pass between them. `half_depth_m`: of the passage, to each side of the line between
+  /// them.
+  bool is_shut(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
+               double clear_m);
 
   /// Calls visit(scan, beams) for each scan within range of a position, nearest first, until it
   /// returns false.
@@ -47,6 +50,8 @@ class GroundOccupancy {
     bool is_driven = false;
     bool is_passable() const;
   };
+  bool is_open(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
+               double clear_m);
   Votes votes_at(const Eigen::Vector2d& p_map);
   std::vector<std::pair<double, std::int32_t>> scans_near(const Eigen::Vector2d& p_map) const;
 

@@ -18,6 +18,8 @@ using Group = std::vector<std::size_t>;  ///< indices of landmarks
 
 /// Borders closer than this touch [m]: the width of a position that GroundOccupancy tests.
 constexpr double kHedgeTouch_m = 0.2;
+/// Leaves and bark lie this far beyond a border [m].
+constexpr double kRough_m = 0.05;
 /// Max number of landmarks used as end points of lines through a group.
 constexpr std::size_t kEndsMax = 40;
 
@@ -27,22 +29,27 @@ double gap_m(const Landmark& a, const Landmark& b) {
   return (at(b) - at(a)).norm() - 0.5 * (a.width_m + b.width_m);
 }
 
-/// Whether every position between two borders was observed to be blocked.
-bool is_shut(const Vector2d& from, const Vector2d& to, const PositionTest& is_blocked) {
-  const double between_m = (to - from).norm();
-  const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
+/// Whether every passage between two borders was observed to be shut. The borders themselves are
+/// rough: what beams hit there is no part of a passage.
+bool is_all_shut(const Vector2d& from, const Vector2d& to, double clear_m,
+                 const PassageTest& is_shut) {
+  const double between_m = (to - from).norm() - 2.0 * kRough_m;
+  const auto num = static_cast<int>(std::ceil(between_m / kHedgeTouch_m));
+  const Vector2d along = (to - from).normalized();
   for (int i = 0; i < num; ++i) {
-    const double fraction =
-        (0.5 * kHedgeTouch_m + (between_m - kHedgeTouch_m) * (i + 0.5) / num) / between_m;
-    if (!is_blocked(from + fraction * (to - from))) return false;
+    const Vector2d first = from + (kRough_m + between_m * i / num) * along;
+    if (!is_shut(first, first + between_m / num * along, kHedgeTouch_m, clear_m)) return false;
   }
   return true;
 }
 
-bool are_one(const Landmark& a, const Landmark& b, const PositionTest& is_blocked) {
+bool are_one(const Landmark& a, const Landmark& b, const PassageTest& is_shut) {
   if (gap_m(a, b) <= kHedgeTouch_m) return true;
   const Vector2d along = (at(b) - at(a)).normalized();
-  return is_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, is_blocked);
+  // A beam passes between two objects if it goes on from before the thinner one to beyond it.
+  const double clear_m = 0.5 * std::min(a.width_m, b.width_m) + kHedgeTouch_m;
+  return is_all_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, clear_m,
+                     is_shut);
 }
 
 /// Adjacency list of landmarks that belong to one object.
@@ -266,7 +273,7 @@ void join_in_line(const std::vector<Landmark>& landmarks, double object_width_ma
 
 /// Links pairs closer than `object_width_max_m` between which nothing passes.
 Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
-                 double object_width_max_m, const PositionTest& is_blocked) {
+                 double object_width_max_m, const PassageTest& is_shut) {
   geometry::PointGrid grid(2.0 * object_width_max_m);
   double width_most_m = 0.0;
   Links links(landmarks.size());
@@ -279,7 +286,7 @@ Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
     std::sort(near.begin(), near.end());
     for (const std::int32_t k : near) {
       const Landmark& b = landmarks[static_cast<std::size_t>(k)];
-      if (gap_m(a, b) > object_width_max_m || !are_one(a, b, is_blocked)) continue;
+      if (gap_m(a, b) > object_width_max_m || !are_one(a, b, is_shut)) continue;
       links.add(i, static_cast<std::size_t>(k));
     }
     grid.insert(static_cast<std::int32_t>(i), a.x_m, a.y_m);
@@ -290,13 +297,13 @@ Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
 }  // namespace
 
 std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double object_width_max_m,
-                                        const PositionTest& is_blocked, const PositionTest& is_free,
+                                        const PassageTest& is_shut, const PositionTest& is_free,
                                         const std::function<bool(const Landmark&)>& is_separate) {
   Group members;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (landmarks[i].length_m == 0.0 && !is_separate(landmarks[i])) members.push_back(i);
   }
-  const Links links = find_links(landmarks, members, object_width_max_m, is_blocked);
+  const Links links = find_links(landmarks, members, object_width_max_m, is_shut);
   std::vector<Group> groups = links.parts(members);
   std::vector<char> is_part(landmarks.size(), 0);
   std::vector<Landmark> all;

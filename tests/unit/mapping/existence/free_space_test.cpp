@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
+#include "mapping/existence/ground_occupancy.hpp"
 #include "unit/mapping/existence/beam_world.hpp"
 
 namespace orchard::mapping {
@@ -57,6 +60,53 @@ TEST(FreeSpace, SaysNothingOfWhatIsHiddenOrOutOfSight) {
             FreeSpaceEvidence::kUnknown);  // beyond reach
   // too narrow for two beams of 0.35 degrees
   EXPECT_EQ(free_space.at({5.5, 2.0}, 0.02, 0.02).evidence, FreeSpaceEvidence::kUnknown);
+}
+
+TEST(FreeSpace, CountsBeamsThroughAPassageAndBeamsThatEndInIt) {
+  // two bushes 0.35 m apart, 2.5 m ahead of the laser: 0.25 m of it are 16 beams of 6.1 mrad
+  std::vector<Thing> bushes{{{3.0, -0.5}, 0.6}, {{3.0, 0.45}, 0.6}};
+  const Vector2d from(3.0, -0.15), to(3.0, 0.1);
+  const PassageBeams open = free_space_of(before_a_wall(bushes)).through(from, to, 0.2, 0.5);
+  EXPECT_GE(open.num_through, 12);
+  EXPECT_EQ(open.num_within, 0);
+  bushes.push_back({{3.0, -0.03}, 0.1});
+  const PassageBeams grown = free_space_of(before_a_wall(bushes)).through(from, to, 0.2, 0.5);
+  EXPECT_NEAR(grown.num_within, 6, 1);
+  EXPECT_LT(grown.num_through, open.num_through - 5);
+  // a bunch of leaves close behind it tells nothing either way
+  bushes.back().p.x() = 3.5;
+  const PassageBeams deep = free_space_of(before_a_wall(bushes)).through(from, to, 0.2, 0.5);
+  EXPECT_EQ(deep.num_within, 0);
+  EXPECT_LT(deep.num_through, open.num_through - 5);
+  // what hides it tells nothing of it, nor does what is seen of it along its line
+  bushes.back() = {{1.5, 0.0}, 0.8};
+  const PassageBeams hidden = free_space_of(before_a_wall(bushes)).through(from, to, 0.2, 0.5);
+  EXPECT_EQ(hidden.num_within + hidden.num_through, 0);
+  const PassageBeams in_line = free_space_of({}).through({2.0, 0.01}, {2.5, 0.01}, 0.2, 0.5);
+  EXPECT_EQ(in_line.num_within + in_line.num_through, 0);
+}
+
+/// A bush and a bin beside the way, 0.22 m apart. The position between them is as wide as the gap,
+/// so that what beams hit beside it counts for it; the beams through the gap tell. Without them
+/// (none goes on for 20 m) the position decides.
+TEST(GroundOccupancy, APassageThatBeamsCrossIsNotShut) {
+  for (const bool is_grown : {false, true}) {
+    std::vector<Thing> things{{{1.6, 0.0}, 0.6}, {{1.8, 0.9}, 0.8}};
+    if (is_grown) things.push_back({{1.68, 0.41}, 0.25});
+    std::vector<std::shared_ptr<const FreeSpace>> scans;
+    GroundOccupancy ground(
+        [&](std::int32_t scan) { return scans[static_cast<std::size_t>(scan)]; });
+    for (int k = 0; k < 14; ++k) {
+      pose::PoseEstimate pose;
+      pose.y_m = -2.0 + 0.3 * k;
+      pose.yaw_rad = 0.5 * geometry::kPi;
+      scans.push_back(std::make_shared<FreeSpace>(beams_of(things, pose, kLaser), kLaser,
+                                                  laser::BlindSector{}));
+      ground.add_scan(k, pose);
+    }
+    EXPECT_EQ(ground.is_shut({1.67, 0.34}, {1.71, 0.49}, 0.2, 0.5), is_grown);
+    EXPECT_TRUE(ground.is_shut({1.67, 0.34}, {1.71, 0.49}, 0.2, 20.0)) << is_grown;
+  }
 }
 
 TEST(FreeSpace, NoReturnCountsNearByOnly) {

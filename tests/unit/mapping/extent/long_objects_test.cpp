@@ -48,6 +48,13 @@ PositionTest not_in(const PositionTest& is_blocked) {
   return [is_blocked](const Vector2d& p) { return !is_blocked(p); };
 }
 
+/// A passage is shut if its middle is blocked.
+PassageTest shut_by(const PositionTest& is_blocked) {
+  return [is_blocked](const Vector2d& from, const Vector2d& to, double, double) {
+    return is_blocked(0.5 * (from + to));
+  };
+}
+
 TEST(LongThings, AHedgeIsOneLine) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
@@ -56,7 +63,8 @@ TEST(LongThings, AHedgeIsOneLine) {
     std::vector<Landmark> all;
     plant(all, from, to, random);
     const auto in_hedge = [&](const Vector2d& p) { return to_segment_m(p, from, to) < 0.5; };
-    const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+    const auto joined =
+        join_long_objects(all, kWidest_m, shut_by(in_hedge), not_in(in_hedge), kNobody);
     ASSERT_EQ(joined.size(), 1u) << "seed " << seed;
     const Landmark& hedge = joined.front();
     EXPECT_EQ(hedge.id, 1);
@@ -80,7 +88,8 @@ TEST(LongThings, ALineGoesOnWhereTheHedgeDoesAndEndsAtAGate) {
     const auto in_hedge = [&](const Vector2d& p) {
       return std::abs(p.y()) < 0.4 && !(has_gate && p.x() > 9.0 && p.x() < 12.0);
     };
-    const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+    const auto joined =
+        join_long_objects(all, kWidest_m, shut_by(in_hedge), not_in(in_hedge), kNobody);
     EXPECT_EQ(joined.size(), has_gate ? 2u : 1u);
   }
 }
@@ -95,11 +104,11 @@ TEST(LongThings, ALineGoesOnWhereNothingWasSeen) {
   const auto seen = [](const Vector2d& p) { return p.x() < 13.0 || p.x() > 18.0; };
   const auto in_hedge = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) < 0.4; };
   const auto is_free = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) >= 0.4; };
-  EXPECT_EQ(join_long_objects(all, kWidest_m, in_hedge, is_free, kNobody).size(), 1u);
+  EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(in_hedge), is_free, kNobody).size(), 1u);
   // farther apart than either is long, they are two
   for (Landmark& l : all) l.x_m += l.x_m > 15.0 ? 10.0 : 0.0;
   const auto nowhere = [](const Vector2d&) { return false; };
-  EXPECT_EQ(join_long_objects(all, kWidest_m, in_hedge, nowhere, kNobody).size(), 2u);
+  EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(in_hedge), nowhere, kNobody).size(), 2u);
 }
 
 TEST(LongThings, ACornerIsTwoLines) {
@@ -111,7 +120,8 @@ TEST(LongThings, ACornerIsTwoLines) {
   const auto in_hedge = [&](const Vector2d& p) {
     return to_segment_m(p, a, b) < 0.5 || to_segment_m(p, b, c) < 0.5;
   };
-  const auto joined = join_long_objects(all, kWidest_m, in_hedge, not_in(in_hedge), kNobody);
+  const auto joined =
+      join_long_objects(all, kWidest_m, shut_by(in_hedge), not_in(in_hedge), kNobody);
   ASSERT_GE(joined.size(), 2u);
   int num_long = 0;
   for (const Landmark& l : joined) num_long += l.length_m > 8.0 && l.width_m < 2.1;
@@ -124,13 +134,16 @@ TEST(LongThings, TrunksThatBeamsPassBetweenStandAlone) {
   std::vector<Landmark> all;
   for (int i = 0; i < 20; ++i) all.push_back(thing(i + 1, {0.8 * i, 0.0}, 0.1));
   const auto nowhere = [](const Vector2d&) { return false; };
-  EXPECT_EQ(join_long_objects(all, kWidest_m, nowhere, not_in(nowhere), kNobody).size(), 20u);
+  EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(nowhere), not_in(nowhere), kNobody).size(),
+            20u);
 }
 
 TEST(LongThings, WhatIsShortStaysAsItIs) {
   std::vector<Landmark> all{thing(1, {0.0, 0.0}), thing(2, {0.2, 0.0}), thing(3, {5.0, 0.0}, 1.5)};
   const auto everywhere = [](const Vector2d&) { return true; };
-  EXPECT_EQ(join_long_objects(all, kWidest_m, everywhere, not_in(everywhere), kNobody).size(), 3u);
+  EXPECT_EQ(
+      join_long_objects(all, kWidest_m, shut_by(everywhere), not_in(everywhere), kNobody).size(),
+      3u);
 }
 
 TEST(LongThings, ATreeOfARowStandsAloneInAHedge) {
@@ -140,7 +153,7 @@ TEST(LongThings, ATreeOfARowStandsAloneInAHedge) {
   all.push_back(thing(100, {5.0, 0.1}));
   all.back().row = 1;
   const auto everywhere = [](const Vector2d&) { return true; };
-  const auto joined = join_long_objects(all, kWidest_m, everywhere, not_in(everywhere),
+  const auto joined = join_long_objects(all, kWidest_m, shut_by(everywhere), not_in(everywhere),
                                         [](const Landmark& l) { return l.row > 0; });
   ASSERT_EQ(joined.size(), 2u);
   EXPECT_EQ(joined[1].id, 100);

@@ -2,6 +2,7 @@
 #include "detection/consistency_monitor.hpp"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/angles.hpp"
@@ -20,11 +21,25 @@ constexpr double kDisagreementWindow_s = 20.0;
 /// Min number of observations for a median.
 constexpr int kObjectsMin = 20;
 
-/// Median disagreement that raises the warning [deg].
+/// Disagreement that raises the warning [deg], once the median is certain to reach it.
 constexpr double kWarn_deg = 0.75;
+
+/// Half width of the median's confidence interval [standard deviations]. Among bushes the edges lie
+/// anywhere in the search window, and the median of some tens of them is off by chance.
+constexpr double kCertain_sigma = 4.0;
 
 /// Median disagreement below which the warning is cleared [deg].
 constexpr double kClear_deg = 0.5;
+
+/// Returns the end of the median's confidence interval that is nearer to zero, and zero if that
+/// lies within. How many of n values lie below the true median is binomial with variance n / 4,
+/// whatever their distribution.
+double certain_median(const std::vector<double>& values) {
+  const double half_width = 0.5 * kCertain_sigma / std::sqrt(static_cast<double>(values.size()));
+  const double low = geometry::quantile(values, std::max(0.0, 0.5 - half_width));
+  const double high = geometry::quantile(values, std::min(1.0, 0.5 + half_width));
+  return low > 0.0 ? low : std::min(high, 0.0);
+}
 
 }  // namespace
 
@@ -50,9 +65,9 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   std::vector<double> values;
   values.reserve(observations_.size());
   for (const Observation& observation : observations_) values.push_back(observation.offset_px);
-  median_px_ = geometry::median(std::move(values));
-  const double size_deg = std::abs(degrees(median_px_));
-  raised_ = size_deg >= (raised_ ? kClear_deg : kWarn_deg);
+  median_px_ = geometry::median(values);
+  raised_ = raised_ ? std::abs(degrees(median_px_)) >= kClear_deg
+                    : std::abs(degrees(certain_median(values))) >= kWarn_deg;
   if (raised_ && std::abs(median_px_) > std::abs(worst_px_)) worst_px_ = median_px_;
 }
 

@@ -14,7 +14,7 @@ namespace orchard::detection {
 inline constexpr double kSearchWindow_deg = 4.0;
 
 /// Extrinsics monitor: compares the edges found in images with the columns expected by the laser,
-/// and warns when the running median of the offsets stays large. Time is message time.
+/// and warns when the running median of the offsets is certain to be large. Time is message time.
 ///
 /// The median is signed. It detects a camera rotated about its vertical axis, and a delay while the
 /// robot turns one way. A delay cancels over curves to both sides; `orchard calibrate delay`

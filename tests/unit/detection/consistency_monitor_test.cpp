@@ -57,6 +57,20 @@ TEST(ConsistencyMonitor, FewObservationsSayNothing) {
   EXPECT_EQ(monitor.run_summary(), "");
 }
 
+/// Among bushes edges are found anywhere in the search window, of 16 px to both sides here.
+TEST(ConsistencyMonitor, EdgesOfBushesAreNoDisagreement) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    ConsistencyMonitor monitor({}, kFocal_px);
+    std::mt19937 random(seed);
+    std::int64_t utime = 1'000'000;
+    for (int i = 0; i < 600; ++i) {
+      utime += 500'000;
+      monitor.add(utime, {static_cast<double>(random() % 33) - 16.0});
+    }
+    EXPECT_EQ(monitor.run_summary(), "") << "seed " << seed;
+  }
+}
+
 TEST(ConsistencyMonitor, OffMeansOff) {
   ConsistencyConfig config;
   config.enabled = false;

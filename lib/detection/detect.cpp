@@ -33,23 +33,29 @@ ReflectorDecision judge_by_reflector(const laser::Segment& segment, const laser:
                                              : ReflectorDecision::kNoTree;
 }
 
+bool is_half_hidden(const laser::Segment& segment) {
+  return segment.occluded_left || segment.occluded_right;
+}
+
+/// Beams on either side into which a reflector blooms.
+constexpr int kBloom_beams = 1;
+
 /// Whether an object is a trunk because it carries a reflector, even if it is hidden or fails the
 /// width test. A reflector appears wider by one beam on either side (blooming); an object that is
-/// too wide even after subtracting this is not a trunk, for example a sheet of metal.
+/// too wide even after subtracting this is not a trunk, for example a sheet of metal. A beam half
+/// on a nearer object and half on a reflector reads a range between them, where nothing is: it and
+/// the beam into which it blooms may be one.
 bool stands_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
                          const DetectorConfig& config) {
   if (config.segmentation.reflector != laser::ReflectorUse::kOnly || !segment.is_reflector) {
     return false;
   }
-  const double bloom_m = 2.0 * segment.range_m * std::abs(scan.bearing_step_rad);
+  if (is_half_hidden(segment) && segment.num_beams <= 1 + kBloom_beams) return false;
+  const double bloom_m = 2.0 * kBloom_beams * segment.range_m * std::abs(scan.bearing_step_rad);
   const double least_m = segment.width_m - bloom_m;
   return least_m <= config.width.mean_m ||
          laser::roc_laser(least_m, segment.range_m, scan.bearing_step_rad, config.width) >=
              config.roc_laser_threshold;
-}
-
-bool is_half_hidden(const laser::Segment& segment) {
-  return segment.occluded_left || segment.occluded_right;
 }
 
 /// roc_laser of an object's width. The width of a half-hidden object comes from the curvature of

@@ -14,6 +14,8 @@ namespace {
 constexpr int kWellKnownObservations = 30;
 
 constexpr int kEstablished = 3;  ///< observations from which a landmark guides scan alignment
+/// Log odds from which the presence or absence of a reflector is sure.
+constexpr double kSureOfReflector = 2.0;
 constexpr double kWidthRelativeSd = 0.15;  ///< of one object observed from different sides
 
 /// Width difference in standard deviations.
@@ -57,6 +59,14 @@ std::int32_t relaxed_gate_match(const Candidate& c, const LandmarkTable& landmar
   });
   const bool is_taken = std::find(taken.begin(), taken.end(), nearest) != taken.end();
   return is_taken ? -1 : nearest;
+}
+
+/// Whether one of two landmarks carries a reflector and the other does not, surely: a pole and what
+/// it stands at, which are one object in scans without a flash.
+bool differ_by_reflector(const LandmarkRecord& a, const LandmarkRecord& b,
+                         const MapperConfig& config) {
+  return config.reflector_marks_tree && std::min(a.log_odds, b.log_odds) < -kSureOfReflector &&
+         std::max(a.log_odds, b.log_odds) > kSureOfReflector;
 }
 
 bool is_surer(const Pairing& a, const Pairing& b) {
@@ -138,6 +148,7 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                    // two detections of one scan are two objects
                    if (i == index || other.last_scan == r.last_scan) return;
                    if (std::abs(other.width_m - r.width_m) > config.width_gate_m) return;
+                   if (differ_by_reflector(r, other, config)) return;
                    const double distance_m2 =
                        (other.association_position() - r.association_position()).squaredNorm();
                    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best)))

@@ -154,6 +154,31 @@ TEST(FindByLaser, ReflectorsMarkTreesOrWhatIsNone) {
   }
 }
 
+TEST(FindByLaser, TwoBrightBeamsBesideANearerObjectMayBeAMixedPixel) {
+  // A beam half on the tube and half on a reflector behind it reads between them, and blooms.
+  for (const int num_bright : {2, 3}) {
+    auto scan = scan_of({brown_tube(1.5, 0.0)});
+    scan.intensities.assign(scan.ranges_m.size(), 100.0f);
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      if (scan.ranges_m[i] > 0.0f && scan.ranges_m[i] < 2.0f) last = i;
+    }
+    for (int k = 1; k <= num_bright; ++k) {
+      scan.ranges_m[last + static_cast<std::size_t>(k)] = 2.2f;
+      scan.intensities[last + static_cast<std::size_t>(k)] = 900.0f;
+    }
+    detection::DetectorConfig config;
+    config.segmentation.reflectivity_min = 500.0;
+    config.segmentation.reflector = laser::ReflectorUse::kOnly;
+    const auto found = find_by_laser(scan, tube_rig(config, false)).detections.trunks;
+    const auto bright = std::find_if(found.begin(), found.end(),
+                                     [](const Detection& d) { return d.intensity > 500.0f; });
+    ASSERT_NE(bright, found.end());
+    EXPECT_NE(bright->occlusion, 0);
+    EXPECT_EQ(bright->label, num_bright == 2 ? Label::kUnseen : Label::kTree) << num_bright;
+  }
+}
+
 TEST(FindByLaser, ReflectorsWithoutIntensitiesTellNothingAndThatIsSaid) {
   detection::DetectorConfig config;
   config.segmentation.reflectivity_min = 500.0;

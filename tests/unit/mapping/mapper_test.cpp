@@ -103,6 +103,25 @@ TEST(Mapper, ABushIsOneObjectWithItsExtent) {
   EXPECT_NEAR(bush.width_m, 0.8, 0.2);
 }
 
+TEST(Mapper, AReflectorKeepsAPoleApartFromTheBoardItStandsAt) {
+  // in every fifth scan the reflector shows nothing, and pole and board are one object
+  MapperConfig config;
+  config.reflector_marks_tree = true;
+  Mapper mapper(config);
+  for (int scan = 0; scan < 100; ++scan) {
+    std::vector<Detection> seen{seen_at(3.0, 0.0, Label::kTree, 0.1),
+                                seen_at(3.04, -0.08, Label::kObject, 0.11)};
+    if (scan % 5 == 4) seen = {seen_at(3.02, -0.05, Label::kObject, 0.2)};
+    mapper.update(scan_of(std::move(seen), 100000 * scan), {});
+  }
+  const std::vector<Landmark> all = mapper.landmarks();
+  ASSERT_EQ(all.size(), 2u);
+  const Landmark& pole = all[0].label == Label::kTree ? all[0] : all[1];
+  EXPECT_EQ(pole.label, Label::kTree);
+  EXPECT_NEAR(pole.y_m, 0.0, 0.01);
+  EXPECT_NEAR(pole.width_m, 0.1, 0.02);
+}
+
 TEST(Mapper, ATreeThatThePictureHardlyShowsIsSeenAsOftenAsTheLaserJudgesIt) {
   // Two views of one tree are in the picture; beside the robot the laser alone tells, surely. Of
   // another it sees the hidden half alone, which tells nothing.

@@ -13,6 +13,7 @@
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
 #include "vision/appearance/appearance.hpp"
+#include "vision/appearance/exposure.hpp"
 #include "vision/colour.hpp"
 #include "vision/edges.hpp"
 
@@ -290,6 +291,7 @@ DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* pic
     }
   }
   vision::apply(rig.light_gains, *pixels);
+  if (rig.detector.colour_model == ColourModel::kAppearance) vision::normalise_exposure(*pixels);
   Pixels seen{std::move(*pixels), windows, std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;

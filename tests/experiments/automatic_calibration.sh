@@ -62,7 +62,7 @@ for seed in $(seq "${1:-1}" "${2:-10}"); do
   picked=$(ids "$learn.truth.csv" "$learn")
   if ! "$orchard" calibrate trunks "$learn.lcm" --config "$learn.yaml" --out "$learn.guided.yaml" \
     --map "$learn" --ids "$picked" >"$learn.guided.log" 2>&1; then
-    unseen=$(sed -n 's/.*not seen in full: landmark \(.*\); leave out.*/\1/p' "$learn.guided.log" |
+    unseen=$(sed -n 's/.*no complete observation of these landmarks of the map: landmark \(.*\); remove.*/\1/p' "$learn.guided.log" |
       sed -e 's/ at ([^)]*) m//g' -e 's/ //g')
     picked=$(python3 -c "print(','.join(i for i in '$picked'.split(',') if i not in '$unseen'.split(',')))")
     "$orchard" calibrate trunks "$learn.lcm" --config "$learn.yaml" --out "$learn.guided.yaml" \

@@ -8,6 +8,9 @@
 namespace orchard::vision {
 namespace {
 
+/// Mean grey level below which a picture is nearly black.
+constexpr double kGreyLevelsMin = 10.0;
+
 double linear_of(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
@@ -25,6 +28,19 @@ std::array<std::uint8_t, 256> exposure_curve(double gain) {
     curve[i] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_of(light)));
   }
   return curve;
+}
+
+void normalise_exposure(PixelBlock& pixels) {
+  std::array<std::size_t, 256> counts{};
+  for (const std::uint8_t value : pixels.bgr) ++counts[value];
+  double light = 0.0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    light += static_cast<double>(counts[i]) * linear_of(static_cast<double>(i) / 255.0);
+  }
+  light /= static_cast<double>(std::max<std::size_t>(1, pixels.bgr.size()));
+  if (light >= kMeteredLight || light < kGreyLevelsMin * linear_of(1.0 / 255.0)) return;
+  const auto curve = exposure_curve(kMeteredLight / light);
+  for (std::uint8_t& value : pixels.bgr) value = curve[value];
 }
 
 PixelBlock exposed(const PixelBlock& pixels, double exposure_ev) {

@@ -16,6 +16,16 @@ inline constexpr std::array kLearntExposures_ev{0.0, 1.0, 2.0};
 /// clips at white and encodes it again.
 std::array<std::uint8_t, 256> exposure_curve(double gain);
 
+/// Mean light of a well-exposed picture, as a fraction of what saturates the sensor: ISO 12232,
+/// saturation-based speed.
+inline constexpr double kMeteredLight = 0.127;
+
+/// Brightens underexposed pixels in linear light to a mean of kMeteredLight. The sRGB curve is
+/// steeper for dark values, so dividing encoded values by their mean leaves larger contrasts in the
+/// dark. Others stay as they are: clipped values cannot be restored, nor contrasts of a nearly
+/// black picture.
+void normalise_exposure(PixelBlock& pixels);
+
 /// Simulates another exposure of the pixels, `exposure_ev` [EV] brighter. Clipped pixels have lost
 /// their true value, so a darker exposure cannot be simulated correctly.
 PixelBlock exposed(const PixelBlock& pixels, double exposure_ev);

@@ -40,8 +40,9 @@ void AppearanceCollector::observe(const detection::ScanImagePair& pair) {
   if (!pair.image || num_pairs_++ % stride_ != 0) return;
   detection::LaserFindings findings = detection::find_by_laser(pair.scan, rig_);
   findings.detections.image_utime = pair.image->utime;
-  const auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
+  auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
   if (!pixels) return;
+  vision::normalise_exposure(*pixels);  // as the detector judges it
   const auto to_exposure = detection::to_picture(findings, *pair.image, rig_, pair.motion);
   for (const double exposure_ev : vision::kLearntExposures_ev) {
     const vision::PixelBlock exposed = vision::exposed(*pixels, exposure_ev);

@@ -39,6 +39,10 @@ constexpr double kScoreAdvantage = 0.05;
 /// Number of candidates of the search that are refined; bounds its cost.
 constexpr int kSearchCandidates = 6;
 
+/// A robot that moved farther between two scans than the configured range, because some were lost,
+/// matches nothing there: the range is doubled this many times, as far as time allows.
+constexpr int kWiderSearches = 2;
+
 constexpr double kDoneShift_m = 2e-4;
 constexpr double kDoneTurn_rad = 2e-5;
 constexpr int kPairsMin = 5;
@@ -71,6 +75,12 @@ struct Place {
            (T_map_base - other.T_map_base).head<2>().norm() < kSameShift_m;
   }
 };
+
+/// Returns whether a fit lies within the search range, and as far beyond as it can be drawn. One
+/// farther away has slid along a surface.
+bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre, double shift_m) {
+  return (match.T_map_base - centre).head<2>().norm() <= shift_m + kPairMax_m;
+}
 
 }  // namespace
 
@@ -159,20 +169,16 @@ ScanMatch ScanMatcher::unmatched(const std::vector<SurfacePoint>& points,
   return match;
 }
 
-bool ScanMatcher::is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre) const {
-  return (match.T_map_base - centre).head<2>().norm() <= config_.search_shift_m + kPairMax_m;
-}
-
 ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
-                                const Eigen::Vector3d& centre, const ScanMatch& found) const {
+                                const Eigen::Vector3d& centre, double shift_m,
+                                const ScanMatch& found) const {
   const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
   double farthest_m = kSearchKernel_m;
   for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
-  const LikelihoodField raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
-                               kSearchKernel_m);
+  const LikelihoodField raster(map_, centre.head<2>(), farthest_m + shift_m, kSearchKernel_m);
   const double turn_step_rad = kSearchKernel_m / farthest_m;
   const int turns = static_cast<int>(std::ceil(geometry::kPi / turn_step_rad));
-  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
+  const int shifts = static_cast<int>(std::ceil(shift_m / kSearchShiftStep_m));
   std::vector<Place> places;
   std::vector<Eigen::Vector2d> arms_map(some.size());
   for (int turn = -turns; turn <= turns; ++turn) {
@@ -201,11 +207,12 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
     }
     tried.push_back(place);
     const ScanMatch match = refined(some, place.T_map_base);
-    if (match.score > best.score && is_in_range(match, centre)) best = match;
+    if (match.score > best.score && is_in_range(match, centre, shift_m)) best = match;
   }
   if (best.score <= score_to_beat) return found;
   best = refined(points, best.T_map_base);
-  return best.score > found.score + kScoreAdvantage && is_in_range(best, centre) ? best : found;
+  return best.score > found.score + kScoreAdvantage && is_in_range(best, centre, shift_m) ? best
+                                                                                          : found;
 }
 
 ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
@@ -220,9 +227,16 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
     }
   }
   ScanMatch match = refined(points, *start);
-  if (!is_in_range(match, *start)) match = unmatched(points, guesses.front());
+  double shift_m = config_.search_shift_m;
+  if (!is_in_range(match, *start, shift_m)) match = unmatched(points, guesses.front());
   if (match.score >= kScoreGood) return match;
-  return searched(points, guesses.front(), match);
+  match = searched(points, guesses.front(), shift_m, match);
+  for (int i = 0; i < kWiderSearches && match.score < kScoreReliable; ++i) {
+    shift_m *= 2.0;
+    const ScanMatch wider = searched(points, guesses.front(), shift_m, match);
+    if (wider.score >= kScoreReliable) match = wider;
+  }
+  return match;
 }
 
 }  // namespace orchard::pose

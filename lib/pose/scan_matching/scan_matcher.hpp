@@ -13,6 +13,9 @@ namespace orchard::pose {
 /// Kernel width of the final score [m]: scale of the distance between a point and the map.
 inline constexpr double kScoreKernel_m = 0.15;
 
+/// Score below which a match is a guess.
+inline constexpr double kScoreReliable = 0.35;
+
 /// Result of registering a scan to the local map.
 struct ScanMatch {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
@@ -27,7 +30,8 @@ struct ScanMatch {
 
 /// Registers a scan to the local map by robust ICP: point-to-line on smooth surfaces,
 /// point-to-point elsewhere (after Censi's PL-ICP and KISS-ICP). After a bad fit it searches
-/// all turns and the neighbourhood; among fits that are as good, the predicted pose is kept.
+/// all turns and the neighbourhood, wider if nothing there fits; among fits that are as good, the
+/// predicted pose is kept.
 class ScanMatcher {
  public:
   ScanMatcher(const PointMap& map, const ScanMotionConfig& config) : map_(map), config_(config) {}
@@ -48,15 +52,11 @@ class ScanMatcher {
   void iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
                ScanMatch& match) const;
   ScanMatch searched(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& centre,
-                     const ScanMatch& found) const;
+                     double shift_m, const ScanMatch& found) const;
 
   /// A pose that the points do not determine.
   ScanMatch unmatched(const std::vector<SurfacePoint>& points,
                       const Eigen::Vector3d& T_map_base) const;
-  /// Whether a fit lies within the search range, and as far beyond as it can be drawn. One farther
-  /// away has slid along a surface.
-  bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre) const;
-
   const PointMap& map_;
   const ScanMotionConfig& config_;
 };

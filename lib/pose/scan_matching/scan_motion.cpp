@@ -24,9 +24,6 @@ constexpr int kPointsMin = 20;
 /// Points last seen this much travel ago are forgotten [m], so that drift does not double a wall.
 constexpr double kMapTravel_m = 15.0;
 
-/// Score below which a motion is a guess.
-constexpr double kScoreReliable = 0.35;
-
 /// Max standard deviation of a reliable motion along its worst direction [m].
 constexpr double kReliableShiftSd_m = 0.10;
 

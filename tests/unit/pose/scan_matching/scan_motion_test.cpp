@@ -111,6 +111,37 @@ TEST(ScanMotion, FindsATurnOnTheSpotBetweenTwoScans) {
   }
 }
 
+/// Trunks at random places: nothing repeats.
+CastWorld grove() {
+  CastWorld world;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-15.0, 15.0);
+  while (world.circles.size() < 60) {
+    const double x_m = place(random), y_m = place(random);
+    if (std::hypot(x_m + 2.0, y_m) > 4.0) world.circles.push_back({{x_m, y_m}, 0.2});
+  }
+  return world;
+}
+
+TEST(ScanMotion, FindsAMotionBeyondTheSearchRangeWhereNothingNearerFits) {
+  // Scans were lost: the robot moved farther than search_shift_m and than a fit can be drawn.
+  const CastWorld world = grove();
+  for (const double turn_rad : {-2.1, -0.5, 0.4, 2.1}) {
+    ScanMotion motion = motion_of();
+    Eigen::Vector3d T_map_base(-4.0, 1.0, 0.1);
+    for (int i = 0; i < 6; ++i) {
+      motion.add(world.scan(i * kPeriod_us, T_map_base, nullptr));
+      T_map_base = compose(T_map_base, {0.5, 0.0, 0.0});
+    }
+    const Eigen::Vector3d before = compose(T_map_base, {-0.5, 0.0, 0.0});
+    const Eigen::Vector3d jump(1.9, -1.2, turn_rad);
+    const auto step = motion.add(world.scan(6 * kPeriod_us, compose(before, jump), nullptr));
+    ASSERT_TRUE(step);
+    EXPECT_TRUE(step->reliable) << turn_rad;
+    EXPECT_LT((step->T_from_to - jump).norm(), 0.02) << turn_rad;
+  }
+}
+
 /// What a scanner sees that covers the half turn ahead.
 laser::Scan ahead(laser::Scan scan) {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// impaired_link IF_A IF_B [--loss P] [--duplicate P] [--jitter-ms J]
-// [--whole 0|1] [--seed N]: carries Ethernet
-// frames between two interfaces as a bad cable or radio would. Each frame, in either direction, is
-// lost with probability P (with --whole 1 together with all others of its datagram), sent twice
-// with probability P, and held for a random time up to J, so that later ones overtake it. SIGUSR1
-// cuts the link, SIGUSR2 mends it; SIGTERM prints the counts and ends. Needs the right to open
-// packet sockets.
+// impaired_link IF_A IF_B [--loss P] [--duplicate P] [--jitter-ms J] [--whole 0|1] [--seed N]:
+// carries Ethernet frames between two interfaces as a bad cable or radio would. Each frame, in
+// either direction, is lost with probability P (with --whole 1 together with all others of its
+// datagram), sent twice with probability P, and held for a random time up to J, so that later ones
+// overtake it. SIGUSR1 cuts the link, SIGUSR2 mends it; SIGTERM prints the counts and ends. Needs
+// the right to open packet sockets.
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
 #include <net/ethernet.h>

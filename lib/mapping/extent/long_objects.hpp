@@ -12,8 +12,9 @@ namespace orchard::mapping {
 /// Test of a map position against the scans.
 using PositionTest = std::function<bool(const Eigen::Vector2d& p_map)>;
 
-/// Test whether a passage between two positions is shut by the scans. `half_depth_m`: of the
-/// passage, to each side of the line between them; `clear_m`: how far a beam through it goes on.
+/// Test whether a passage between two positions in map [m] is shut by the scans. `half_depth_m`: of
+/// the passage, to each side of the line between them; `clear_m`: how far a beam through it goes
+/// on.
 using PassageTest =
     std::function<bool(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
                        double half_depth_m, double clear_m)>;

@@ -10,17 +10,18 @@ namespace orchard::mapping {
 
 /// Direction of the rows and spacing of their trees at a point of the map.
 struct LocalRows {
-  Eigen::Vector2d direction{1.0, 0.0};  ///< unit vector
+  Eigen::Vector2d direction{1.0, 0.0};  ///< unit vector, map frame
   double spacing_m = 0.0;
 };
 
 /// Directions and spacings of the rows over the map, learnt from the links between successive
-/// trees.
+/// trees: one element for each of `p_map`, trees in the map frame [m].
 ///
-/// The direction at a point is a robust linear function of position, fitted to the links around it:
-/// clutter at the end of a row is outvoted by the links of all rows there, and curved rows are
-/// extrapolated along their curve.
-std::vector<LocalRows> local_rows(const std::vector<Eigen::Vector2d>& p_map, double spacing_m,
+/// `seeds_spacing_m`: used if there are no links. `chains`: indices into p_map. The direction at a
+/// point is a robust linear function of position, fitted to the links around it: clutter at the end
+/// of a row is outvoted by the links of all rows there, and curved rows are extrapolated along
+/// their curve.
+std::vector<LocalRows> local_rows(const std::vector<Eigen::Vector2d>& p_map, double seeds_spacing_m,
                                   const std::vector<RowChain>& chains);
 
 /// How regular the rows of a map are, learnt from their links.
@@ -30,8 +31,8 @@ struct RowRegularity {
   double filled = 0.9;           ///< share of the slots after a tree that have a tree
 };
 
-/// Medians over the links, as of exponential distributions: most trees are on the line, some are
-/// far off where poses were poor.
+/// Returns the regularity over all links of `chains`: medians, as of exponential distributions:
+/// most trees are on the line, some are far off where poses were poor.
 RowRegularity row_regularity(const std::vector<Eigen::Vector2d>& p_map,
                              const std::vector<LocalRows>& local,
                              const std::vector<RowChain>& chains);
@@ -43,6 +44,8 @@ struct RowStep {
   double beside_m = 0.0;  ///< lateral deviation, positive to the left
   double spacing_m = 0.0;
 };
+
+/// Returns the step between two trees, in the direction and spacing at both.
 RowStep row_step(const std::vector<Eigen::Vector2d>& p_map, const std::vector<LocalRows>& local,
                  std::int32_t from, std::int32_t to);
 

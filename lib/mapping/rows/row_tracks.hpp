@@ -24,8 +24,11 @@ struct RowTrack {
 /// A step adds the logarithm of the density of the next tree, as the map's rows are regular, over
 /// the density of the objects around it, and of how frequent the tree's strength is in rows and
 /// outside. A row begins where as many as one in a map would by chance; gaps, clutter and ends
-/// follow from that. `strengths`: see row_strengths. `known`: the rows found so far, from which
-/// regularity, clutter and strengths are learnt.
+/// follow from that.
+///
+/// `p_map`: trees in the map frame [m]; `strengths`, `local`: one for each, see row_strengths and
+/// local_rows. `known`: the rows found so far, from which regularity, clutter and strengths are
+/// learnt.
 std::vector<RowTrack> row_tracks(const std::vector<Eigen::Vector2d>& p_map,
                                  const std::vector<double>& strengths,
                                  const std::vector<LocalRows>& local,

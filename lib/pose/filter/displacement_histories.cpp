@@ -7,9 +7,11 @@
 namespace orchard::pose {
 namespace {
 
-/// Less likely histories are forgotten: together they would move the mean path by less than a tenth
-/// of their distance from it.
+/// Less likely histories are forgotten: one would move the mean path by less than a fiftieth of its
+/// distance from it.
 constexpr double kProbabilityMin = 0.02;
+
+/// The path is solved once for each history.
 constexpr std::size_t kHistoriesMax = 6;
 
 }  // namespace

@@ -40,7 +40,8 @@ constexpr double kScoreAdvantage = 0.05;
 constexpr int kSearchCandidates = 6;
 
 /// A robot that moved farther between two scans than the configured range, because some were lost,
-/// matches nothing there: the range is doubled this many times, as far as time allows.
+/// matches nothing there: the range is doubled this many times. Each doubling costs four times the
+/// time of the one before.
 constexpr int kWiderSearches = 2;
 
 constexpr double kDoneShift_m = 2e-4;

@@ -63,12 +63,7 @@ bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision
   const auto pixels = vision::decode(image, reading);
   if (!pixels) return false;
   const vision::ColourConfig& colour = rig.detector.colour;
-  vision::PixelBlock metered = *pixels;  // as the detector judges it
-  vision::normalise_exposure(metered);
-  std::vector<vision::PixelBlock> exposures;
-  for (const double exposure_ev : vision::kLearntExposures_ev) {
-    exposures.push_back(vision::exposed(metered, exposure_ev));
-  }
+  const std::vector<vision::PixelBlock> exposures = vision::learnt_exposures(*pixels);
   const auto look_at = [&](const vision::PixelRect& rect,
                            std::vector<WindowObservation>& observations) {
     for (const vision::PixelBlock& block : exposures) {

@@ -50,4 +50,13 @@ PixelBlock exposed(const PixelBlock& pixels, double exposure_ev) {
   return result;
 }
 
+std::vector<PixelBlock> learnt_exposures(PixelBlock pixels) {
+  normalise_exposure(pixels);
+  std::vector<PixelBlock> result;
+  for (const double exposure_ev : kLearntExposures_ev) {
+    result.push_back(exposed(pixels, exposure_ev));
+  }
+  return result;
+}
+
 }  // namespace orchard::vision

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "vision/pixel_block.hpp"
 
@@ -29,5 +30,9 @@ void normalise_exposure(PixelBlock& pixels);
 /// Simulates another exposure of the pixels, `exposure_ev` [EV] brighter. Clipped pixels have lost
 /// their true value, so a darker exposure cannot be simulated correctly.
 PixelBlock exposed(const PixelBlock& pixels, double exposure_ev);
+
+/// The pixels as a model learns them: as it judges them (normalise_exposure()), and at each
+/// overexposure of kLearntExposures_ev, in that order.
+std::vector<PixelBlock> learnt_exposures(PixelBlock pixels);
 
 }  // namespace orchard::vision

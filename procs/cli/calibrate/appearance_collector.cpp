@@ -42,10 +42,8 @@ void AppearanceCollector::observe(const detection::ScanImagePair& pair) {
   findings.detections.image_utime = pair.image->utime;
   auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
   if (!pixels) return;
-  vision::normalise_exposure(*pixels);  // as the detector judges it
   const auto to_exposure = detection::to_picture(findings, *pair.image, rig_, pair.motion);
-  for (const double exposure_ev : vision::kLearntExposures_ev) {
-    const vision::PixelBlock exposed = vision::exposed(*pixels, exposure_ev);
+  for (const vision::PixelBlock& exposed : vision::learnt_exposures(std::move(*pixels))) {
     for (const detection::Candidate& candidate : findings.candidates) {
       const auto view = detection::view_of(candidate.segment, rig_, to_exposure);
       if (!view) continue;

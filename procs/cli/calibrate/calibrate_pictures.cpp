@@ -36,8 +36,7 @@ struct Lessons {
 
 void learn_from(const PictureWindows& picture, const vision::ColourConfig& colour,
                 Lessons& lessons) {
-  for (const double exposure_ev : vision::kLearntExposures_ev) {
-    const vision::PixelBlock pixels = vision::exposed(picture.picture.pixels, exposure_ev);
+  for (const vision::PixelBlock& pixels : vision::learnt_exposures(picture.picture.pixels)) {
     for (const calibration::LabelledWindow& labelled : picture.windows) {
       lessons.samples.push_back(
           {vision::appearance_features(pixels, labelled.window), labelled.is_trunk, picture.group});

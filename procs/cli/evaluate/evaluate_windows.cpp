@@ -11,6 +11,7 @@
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "vision/appearance/appearance.hpp"
+#include "vision/appearance/exposure.hpp"
 #include "vision/colour.hpp"
 
 namespace orchard::cli {
@@ -29,8 +30,10 @@ int run_evaluate_windows(const EvaluateWindowsOptions& options) {
       options.pictures, "orchard evaluate", [&](const PictureWindows& picture) {
         const vision::PixelBlock pixels =
             evaluation::disturbed(picture.picture.pixels, options.disturbance);
+        vision::PixelBlock judged = pixels;
+        vision::normalise_exposure(judged);  // as the detector judges it
         for (const calibration::LabelledWindow& labelled : picture.windows) {
-          const auto features = vision::appearance_features(pixels, labelled.window);
+          const auto features = vision::appearance_features(judged, labelled.window);
           const double log_odds = vision::appearance_log_odds(features, model.appearance);
           const auto hues = vision::hue_histogram(pixels, labelled.window, model.colour);
           const auto paper_hues = vision::hue_histogram(pixels, labelled.window, paper);

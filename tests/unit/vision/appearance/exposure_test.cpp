@@ -69,5 +69,17 @@ TEST(Exposure, BrightAndBlackPicturesStayAsTheyAre) {
   EXPECT_TRUE(empty.bgr.empty());
 }
 
+TEST(Exposure, AModelLearnsADarkPictureAsItJudgesIt) {
+  PixelBlock judged = bark_at(-2.0);
+  const auto learnt = learnt_exposures(judged);
+  normalise_exposure(judged);
+  ASSERT_EQ(learnt.size(), kLearntExposures_ev.size());
+  EXPECT_EQ(learnt[0].bgr, judged.bgr);
+  for (std::size_t i = 1; i < learnt.size(); ++i) {
+    EXPECT_EQ(learnt[i].bgr, exposed(judged, kLearntExposures_ev[i]).bgr) << i;
+    EXPECT_NE(learnt[i].bgr, learnt[i - 1].bgr) << i;
+  }
+}
+
 }  // namespace
 }  // namespace orchard::vision

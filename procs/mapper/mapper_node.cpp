@@ -279,7 +279,7 @@ void MapperNode::flush(const bus::Outbox& send) {
   if (has_readers_ && mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
     if (config_.rows.enabled) {
-      mapping::number_landmarks(mapping::find_rows(standing_landmarks(), config_.rows), all);
+      mapping::number_landmarks(numbered(standing_landmarks()).rows, all);
     }
     send_tiles(last_used_utime_.value_or(0), std::move(all), {}, send);
   }

@@ -16,6 +16,7 @@
 #include "mapping/album/album.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
+#include "mapping/rows/rows.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/trajectory.hpp"
 #include "timing/ordered_queue.hpp"
@@ -104,6 +105,12 @@ class MapperNode : public bus::Node {
 
   std::vector<mapping::Landmark> standing_landmarks() const;
   std::size_t drop_legs(std::vector<mapping::Landmark>& landmarks) const;
+  struct Numbered {
+    std::vector<mapping::Landmark> landmarks;
+    std::vector<mapping::Row> rows;
+    std::size_t num_legs = 0;  ///< left out
+  };
+  Numbered numbered(const std::vector<mapping::Landmark>& standing) const;
   void join_long(std::vector<mapping::Landmark>& landmarks) const;
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);

@@ -6,6 +6,7 @@
 #include "mapper/mapper_node.hpp"
 #include "mapping/extent/long_objects.hpp"
 #include "mapping/extent/stem_scatter.hpp"
+#include "mapping/rows/hedge_rows.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::procs {
@@ -47,27 +48,44 @@ std::size_t MapperNode::drop_legs(std::vector<mapping::Landmark>& landmarks) con
   return drop(mapper_.leg_ids(landmarks, has_camera_), landmarks);
 }
 
+/// Finds rows, numbers the landmarks, removes legs and joins long objects. Parts of hedges that
+/// stand in line are found to be no rows only when the hedge is joined, and the rows are found
+/// again without them.
+MapperNode::Numbered MapperNode::numbered(const std::vector<mapping::Landmark>& standing) const {
+  std::vector<std::int32_t> in_hedges;
+  while (true) {
+    Numbered map{standing, {}, 0};
+    if (config_.rows.enabled) {
+      std::vector<mapping::Landmark> others = standing;
+      drop(in_hedges, others);
+      map.rows = mapping::find_rows(others, config_.rows);
+      mapping::number_landmarks(map.rows, map.landmarks);
+    }
+    const std::vector<mapping::Landmark> separate = map.landmarks;
+    map.num_legs = drop_legs(map.landmarks);
+    join_long(map.landmarks);
+    if (has_camera_) return map;
+    const std::vector<std::int32_t> found = mapping::trees_of_hedge_rows(separate, map.landmarks);
+    if (found.empty()) return map;
+    in_hedges.insert(in_hedges.end(), found.begin(), found.end());
+    std::sort(in_hedges.begin(), in_hedges.end());
+  }
+}
+
 std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {
-  std::vector<mapping::Landmark> all = standing_landmarks();
-  if (config_.rows.enabled) mapping::number_landmarks(mapping::find_rows(all, config_.rows), all);
-  drop_legs(all);
-  join_long(all);
-  return all;
+  return numbered(standing_landmarks()).landmarks;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
-  io::MapFolderContent content{standing_landmarks(), track_.poses(), summary, {}};
-  if (config_.rows.enabled) {
-    content.rows = mapping::find_rows(content.landmarks, config_.rows);
-    mapping::number_landmarks(content.rows, content.landmarks);
+  const std::size_t num_all = landmarks().size();
+  const std::vector<mapping::Landmark> standing = standing_landmarks();
+  Numbered map = numbered(standing);
+  io::MapFolderContent content{std::move(map.landmarks), track_.poses(), summary, {}};
+  content.rows = std::move(map.rows);
+  if (standing.size() < num_all) {
+    content.summary.counts.emplace_back("strays_left_out", num_all - standing.size());
   }
-  const std::size_t num_all = landmarks().size(), num_standing = content.landmarks.size();
-  const std::size_t num_legs = drop_legs(content.landmarks);
-  if (num_standing < num_all) {
-    content.summary.counts.emplace_back("strays_left_out", num_all - num_standing);
-  }
-  if (num_legs > 0) content.summary.counts.emplace_back("legs_left_out", num_legs);
-  join_long(content.landmarks);
+  if (map.num_legs > 0) content.summary.counts.emplace_back("legs_left_out", map.num_legs);
   content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
   content.album_bytes_max = album_.max_bytes();
   content.seen_free = mapper_.seen_free();

@@ -227,6 +227,26 @@ bool is_in_line(const std::vector<Landmark>& landmarks, const StraightPart& a,
          0.5 * (of_longer.width_m + of_shorter.width_m) + kHedgeTouch_m;
 }
 
+/// Whether no passage across a hedge or wall was observed free between two positions along it.
+bool has_no_gate(const StraightPart& hedge, const Vector2d& along, const Across& across,
+                 const Span& gap, const PositionTest& is_free) {
+  // A gate must be free across the whole hedge, because foliage lets single beams in.
+  const Vector2d sideways(-along.y(), along.x());
+  const Vector2d middle = hedge.origin + across.middle_m * sideways;
+  const double half_m = 0.5 * std::max(across.width_m, kHedgeTouch_m);
+  const auto is_gate = [&](const Vector2d& p_map) {
+    for (double off_m = -half_m; off_m <= half_m; off_m += kHedgeTouch_m) {
+      if (!is_free(p_map + off_m * sideways)) return false;
+    }
+    return true;
+  };
+  for (double s_m = gap.from_m + kHedgeTouch_m; s_m <= gap.to_m - kHedgeTouch_m;
+       s_m += kHedgeTouch_m) {
+    if (is_gate(middle + s_m * along)) return false;
+  }
+  return true;
+}
+
 /// Joins parts in line if no passage was observed free between them and the gap is not longer
 /// than the longer one: the gap was too wide to be reported, or never in view.
 void join_in_line(const std::vector<Landmark>& landmarks, double object_width_max_m,
@@ -241,22 +261,9 @@ void join_in_line(const std::vector<Landmark>& landmarks, double object_width_ma
     if (across.width_m > object_width_max_m || !is_in_line(landmarks, a, b)) return false;
     const Span& near = first.from_m < second.from_m ? first : second;
     const Span& far = first.from_m < second.from_m ? second : first;
-    const double gap = far.from_m - near.to_m;
-    if (gap > std::max(first.length_m(), second.length_m())) return false;
-    // A gate must be free across the whole hedge, because foliage lets single beams in.
-    const Vector2d sideways(-along.y(), along.x());
-    const Vector2d middle = a.origin + across.middle_m * sideways;
-    const double half_m = 0.5 * std::max(across.width_m, kHedgeTouch_m);
-    const auto is_gate = [&](const Vector2d& p_map) {
-      for (double off_m = -half_m; off_m <= half_m; off_m += kHedgeTouch_m) {
-        if (!is_free(p_map + off_m * sideways)) return false;
-      }
-      return true;
-    };
-    for (double s_m = near.to_m + kHedgeTouch_m; s_m <= far.from_m - kHedgeTouch_m;
-         s_m += kHedgeTouch_m) {
-      if (is_gate(middle + s_m * along)) return false;
-    }
+    const Span gap{near.to_m, far.from_m};
+    if (gap.length_m() > std::max(first.length_m(), second.length_m())) return false;
+    if (!has_no_gate(a, along, across, gap, is_free)) return false;
     std::sort(both.begin(), both.end());
     a = {std::move(both), a.origin, along, std::max(near.to_m, far.to_m) - near.from_m};
     return true;
@@ -269,6 +276,36 @@ void join_in_line(const std::vector<Landmark>& landmarks, double object_width_ma
       b = static_cast<std::size_t>(-1);  // restart: it is longer now
     }
   }
+}
+
+/// Adds to a part what stands in its outline, and what stands in line with it at most
+/// `object_width_max_m` beyond its end if no passage was observed free between them: few beams
+/// reach there, so that no passage was observed to be shut either. The outline does not grow wider
+/// by what is added. Sets is_part.
+void add_what_stands_in_it(const std::vector<Landmark>& landmarks, const Group& members,
+                           double object_width_max_m, const PositionTest& is_free,
+                           StraightPart& part, std::vector<char>& is_part) {
+  const double half_m = 0.5 * joined(landmarks, part).width_m;
+  for (bool is_done = false; !is_done;) {
+    is_done = true;
+    const Vector2d along = main_direction(landmarks, part.members), across(-along.y(), along.x());
+    const Across beside = across_of(landmarks, part.members, part.origin, along);
+    for (const std::size_t i : members) {
+      const Vector2d arm = at(landmarks[i]) - part.origin;
+      const double off_m = std::abs(arm.dot(across) - beside.middle_m);
+      if (is_part[i] || off_m > half_m + 0.5 * landmarks[i].width_m) continue;
+      const Span span = span_of(landmarks, part.members, part.origin, along);
+      const Span own = span_of(landmarks, {i}, part.origin, along);
+      const Span gap =
+          own.from_m > span.to_m ? Span{span.to_m, own.from_m} : Span{own.to_m, span.from_m};
+      if (gap.length_m() > object_width_max_m) continue;
+      if (!has_no_gate(part, along, beside, gap, is_free)) continue;
+      part.members.push_back(i);
+      is_part[i] = 1;
+      is_done = false;
+    }
+  }
+  std::sort(part.members.begin(), part.members.end());
 }
 
 /// Links pairs closer than `object_width_max_m` between which nothing passes.
@@ -321,10 +358,13 @@ std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double 
     }
     for (Group& part : links.parts(rest)) groups.push_back(std::move(part));
   }
+  join_in_line(landmarks, object_width_max_m, is_free, parts);
+  for (StraightPart& part : parts) {
+    add_what_stands_in_it(landmarks, members, object_width_max_m, is_free, part, is_part);
+  }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!is_part[i]) all.push_back(landmarks[i]);
   }
-  join_in_line(landmarks, object_width_max_m, is_free, parts);
   for (const StraightPart& part : parts) all.push_back(joined(landmarks, part));
   std::sort(all.begin(), all.end(),
             [](const Landmark& a, const Landmark& b) { return a.id < b.id; });

@@ -111,6 +111,37 @@ TEST(LongThings, ALineGoesOnWhereNothingWasSeen) {
   EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(in_hedge), nowhere, kNobody).size(), 2u);
 }
 
+/// Beams seldom reach the far end of a hedge: nothing tells that its parts there are one. What
+/// stands in the hedge's place is of it, and so is what comes next in line, unless a passage was
+/// seen free; what stands beside it is not.
+TEST(LongThings, WhatStandsInAHedgeIsOfItAndNothingBesideIt) {
+  std::mt19937 random(7);
+  std::vector<Landmark> all;
+  plant(all, {0.0, 0.0}, {12.0, 0.0}, random);
+  plant(all, {18.0, 0.0}, {30.0, 0.0}, random);
+  const auto seen = [](const Vector2d& p) {
+    return (p.x() > -0.5 && p.x() < 13.0) || p.x() > 17.5;
+  };
+  const auto in_hedge = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) < 0.4; };
+  const auto is_free = [&](const Vector2d& p) { return seen(p) && std::abs(p.y()) >= 0.4; };
+  all.push_back(thing(200, {15.0, 0.1}));   // in the unseen part
+  all.push_back(thing(201, {-1.5, 0.0}));   // in line before its begin
+  all.push_back(thing(202, {-3.2, 0.1}));   // and before that
+  all.push_back(thing(203, {6.0, 1.2}));    // beside it
+  all.push_back(thing(204, {15.0, -1.2}));  // beside the unseen part
+  all.push_back(thing(205, {-6.5, 0.0}));   // too far before its begin
+  const auto joined = join_long_objects(all, kWidest_m, shut_by(in_hedge), is_free, kNobody);
+  ASSERT_EQ(joined.size(), 4u);
+  EXPECT_NEAR(joined[0].length_m, 33.3, 1.0);
+  EXPECT_LT(joined[0].width_m, 1.0);
+  EXPECT_EQ(joined[1].id, 203);
+  EXPECT_EQ(joined[2].id, 204);
+  EXPECT_EQ(joined[3].id, 205);
+  // a gate between its begin and what stands before it
+  const auto is_gate = [&](const Vector2d& p) { return is_free(p) || p.x() < -0.4; };
+  EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(in_hedge), is_gate, kNobody).size(), 6u);
+}
+
 TEST(LongThings, ACornerIsTwoLines) {
   std::mt19937 random(1);
   const Vector2d a(0.0, 0.0), b(20.0, 0.0), c(20.0, 12.0);

@@ -216,11 +216,11 @@ std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
   return [ground](const Eigen::Vector2d& p_map) { return ground->is_free(p_map); };
 }
 
-PassageTest Mapper::seen_shut() const {
+PassageTest Mapper::seen_passage() const {
   const auto ground = ground_occupancy_of(impl_->map.observations);
   return
       [ground](const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
-               double clear_m) { return ground->is_shut(from_map, to_map, half_depth_m, clear_m); };
+               double clear_m) { return ground->passage(from_map, to_map, half_depth_m, clear_m); };
 }
 
 std::vector<std::int32_t> Mapper::spurious_ids() const {

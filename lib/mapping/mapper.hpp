@@ -61,9 +61,8 @@ class Mapper {
   /// next update().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
 
-  /// Returns a test whether the beams into a passage mostly end in it; same validity as
-  /// seen_free().
-  PassageTest seen_shut() const;
+  /// Returns a test whether beams pass between two positions; same validity as seen_free().
+  PassageTest seen_passage() const;
 
   /// Ids of landmarks that never existed, judged by all scans (existence/spurious_landmarks.hpp).
   std::vector<std::int32_t> spurious_ids() const;

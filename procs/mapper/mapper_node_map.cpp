@@ -33,7 +33,7 @@ void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
     return l.row > 0 || seen_as_tree || stems.contains(l);
   };
   landmarks = mapping::join_long_objects(std::move(landmarks), object_width_max_m_,
-                                         mapper_.seen_shut(), mapper_.seen_free(), is_separate);
+                                         mapper_.seen_passage(), mapper_.seen_free(), is_separate);
 }
 
 /// Landmarks with enough observations that exist by the evidence of all scans of the drive.

@@ -28,6 +28,13 @@ struct FreeSpaceAnswer {
   int num_across = 0;  ///< beams across the object's own width; kPassesThrough only
 };
 
+/// What the scans of a drive show at a passage between two objects.
+enum class Passage {
+  kUnknown,  ///< hardly in view
+  kShut,     ///< beams end in it too often for it to be free
+  kOpen,     ///< beams mostly pass between the objects, or the robot drove there
+};
+
 /// Beams of a scan towards a passage between two objects. Beams that end before it or soon after it
 /// count neither way.
 struct PassageBeams {

@@ -115,11 +115,11 @@ bool GroundOccupancy::is_open(const Eigen::Vector2d& from_map, const Eigen::Vect
   return votes.num_passes > 0 && votes.is_passable();
 }
 
-bool GroundOccupancy::is_shut(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
-                              double half_depth_m, double clear_m) {
+Passage GroundOccupancy::passage(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
+                                 double half_depth_m, double clear_m) {
   const Votes votes = votes_at(0.5 * (from_map + to_map));
-  return !votes.is_driven && votes.num_returns > 0 && !votes.is_passable() &&
-         !is_open(from_map, to_map, half_depth_m, clear_m);
+  if (votes.is_driven || is_open(from_map, to_map, half_depth_m, clear_m)) return Passage::kOpen;
+  return votes.num_returns > 0 && !votes.is_passable() ? Passage::kShut : Passage::kUnknown;
 }
 
 }  // namespace orchard::mapping

@@ -33,11 +33,10 @@ class GroundOccupancy {
   /// Whether a position in map, 0.2 m wide, was observed free or was driven over.
   bool is_free(const Eigen::Vector2d& p_map);
 
-  /// Whether scans hit something between two positions too often for it to be free, and do not
-  /// mostly pass between them. `half_depth_m`: of the passage, to each side of the line between
-  /// them.
-  bool is_shut(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
-               double clear_m);
+  /// Evidence at the passage between two positions in map. `half_depth_m`: of the passage, to each
+  /// side of the line between them; `clear_m`: how far a beam through it goes on.
+  Passage passage(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map,
+                  double half_depth_m, double clear_m);
 
   /// Calls visit(scan, beams) for each scan within range of a position, nearest first, until it
   /// returns false.

@@ -29,27 +29,35 @@ double gap_m(const Landmark& a, const Landmark& b) {
   return (at(b) - at(a)).norm() - 0.5 * (a.width_m + b.width_m);
 }
 
-/// Whether every passage between two borders was observed to be shut. The borders themselves are
-/// rough: what beams hit there is no part of a passage.
-bool is_all_shut(const Vector2d& from, const Vector2d& to, double clear_m,
-                 const PassageTest& is_shut) {
-  const double between_m = (to - from).norm() - 2.0 * kRough_m;
-  const auto num = static_cast<int>(std::ceil(between_m / kHedgeTouch_m));
-  const Vector2d along = (to - from).normalized();
+/// Whether the evidence of all passages on the way between two positions passes a test.
+template <class Test>
+bool all_passages(const Vector2d& from, const Vector2d& to, double clear_m,
+                  const PassageTest& passage, const Test& test) {
+  const Vector2d way = to - from;
+  const auto num = static_cast<int>(std::ceil(way.norm() / kHedgeTouch_m));
   for (int i = 0; i < num; ++i) {
-    const Vector2d first = from + (kRough_m + between_m * i / num) * along;
-    if (!is_shut(first, first + between_m / num * along, kHedgeTouch_m, clear_m)) return false;
+    if (!test(passage(from + way * i / num, from + way * (i + 1) / num, kHedgeTouch_m, clear_m))) {
+      return false;
+    }
   }
   return true;
 }
 
-bool are_one(const Landmark& a, const Landmark& b, const PassageTest& is_shut) {
-  if (gap_m(a, b) <= kHedgeTouch_m) return true;
+bool is_shut(Passage seen) { return seen == Passage::kShut; }
+bool is_not_open(Passage seen) { return seen != Passage::kOpen; }
+
+bool are_one(const Landmark& a, const Landmark& b, const PassageTest& passage) {
   const Vector2d along = (at(b) - at(a)).normalized();
   // A beam passes between two objects if it goes on from before the thinner one to beyond it.
   const double clear_m = 0.5 * std::min(a.width_m, b.width_m) + kHedgeTouch_m;
-  return is_all_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, clear_m,
-                     is_shut);
+  // The borders themselves are rough: what beams hit there is no part of a passage.
+  if (gap_m(a, b) > kHedgeTouch_m &&
+      !all_passages(at(a) + (0.5 * a.width_m + kRough_m) * along,
+                    at(b) - (0.5 * b.width_m + kRough_m) * along, clear_m, passage, is_shut)) {
+    return false;
+  }
+  // Borders are those of circles: a bush and a box with a passage between may seem to touch.
+  return all_passages(at(a), at(b), clear_m, passage, is_not_open);
 }
 
 /// Adjacency list of landmarks that belong to one object.
@@ -283,8 +291,9 @@ void join_in_line(const std::vector<Landmark>& landmarks, double object_width_ma
 /// reach there, so that no passage was observed to be shut either. The outline does not grow wider
 /// by what is added. Sets is_part.
 void add_what_stands_in_it(const std::vector<Landmark>& landmarks, const Group& members,
-                           double object_width_max_m, const PositionTest& is_free,
-                           StraightPart& part, std::vector<char>& is_part) {
+                           double object_width_max_m, const PassageTest& passage,
+                           const PositionTest& is_free, StraightPart& part,
+                           std::vector<char>& is_part) {
   const double half_m = 0.5 * joined(landmarks, part).width_m;
   for (bool is_done = false; !is_done;) {
     is_done = true;
@@ -300,6 +309,14 @@ void add_what_stands_in_it(const std::vector<Landmark>& landmarks, const Group& 
           own.from_m > span.to_m ? Span{span.to_m, own.from_m} : Span{own.to_m, span.from_m};
       if (gap.length_m() > object_width_max_m) continue;
       if (!has_no_gate(part, along, beside, gap, is_free)) continue;
+      const auto on_line = [&](double s_m) {
+        return Vector2d(part.origin + s_m * along + beside.middle_m * across);
+      };
+      if (gap.length_m() > 0.0 &&
+          !all_passages(on_line(gap.from_m), on_line(gap.to_m),
+                        0.5 * landmarks[i].width_m + kHedgeTouch_m, passage, is_not_open)) {
+        continue;
+      }
       part.members.push_back(i);
       is_part[i] = 1;
       is_done = false;
@@ -310,7 +327,7 @@ void add_what_stands_in_it(const std::vector<Landmark>& landmarks, const Group& 
 
 /// Links pairs closer than `object_width_max_m` between which nothing passes.
 Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
-                 double object_width_max_m, const PassageTest& is_shut) {
+                 double object_width_max_m, const PassageTest& passage) {
   geometry::PointGrid grid(2.0 * object_width_max_m);
   double width_most_m = 0.0;
   Links links(landmarks.size());
@@ -323,7 +340,7 @@ Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
     std::sort(near.begin(), near.end());
     for (const std::int32_t k : near) {
       const Landmark& b = landmarks[static_cast<std::size_t>(k)];
-      if (gap_m(a, b) > object_width_max_m || !are_one(a, b, is_shut)) continue;
+      if (gap_m(a, b) > object_width_max_m || !are_one(a, b, passage)) continue;
       links.add(i, static_cast<std::size_t>(k));
     }
     grid.insert(static_cast<std::int32_t>(i), a.x_m, a.y_m);
@@ -334,13 +351,13 @@ Links find_links(const std::vector<Landmark>& landmarks, const Group& members,
 }  // namespace
 
 std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double object_width_max_m,
-                                        const PassageTest& is_shut, const PositionTest& is_free,
+                                        const PassageTest& passage, const PositionTest& is_free,
                                         const std::function<bool(const Landmark&)>& is_separate) {
   Group members;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (landmarks[i].length_m == 0.0 && !is_separate(landmarks[i])) members.push_back(i);
   }
-  const Links links = find_links(landmarks, members, object_width_max_m, is_shut);
+  const Links links = find_links(landmarks, members, object_width_max_m, passage);
   std::vector<Group> groups = links.parts(members);
   std::vector<char> is_part(landmarks.size(), 0);
   std::vector<Landmark> all;
@@ -360,7 +377,7 @@ std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double 
   }
   join_in_line(landmarks, object_width_max_m, is_free, parts);
   for (StraightPart& part : parts) {
-    add_what_stands_in_it(landmarks, members, object_width_max_m, is_free, part, is_part);
+    add_what_stands_in_it(landmarks, members, object_width_max_m, passage, is_free, part, is_part);
   }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!is_part[i]) all.push_back(landmarks[i]);

@@ -104,8 +104,10 @@ TEST(GroundOccupancy, APassageThatBeamsCrossIsNotShut) {
                                                   laser::BlindSector{}));
       ground.add_scan(k, pose);
     }
-    EXPECT_EQ(ground.is_shut({1.67, 0.34}, {1.71, 0.49}, 0.2, 0.5), is_grown);
-    EXPECT_TRUE(ground.is_shut({1.67, 0.34}, {1.71, 0.49}, 0.2, 20.0)) << is_grown;
+    EXPECT_EQ(ground.passage({1.67, 0.34}, {1.71, 0.49}, 0.2, 0.5),
+              is_grown ? Passage::kShut : Passage::kOpen);
+    EXPECT_EQ(ground.passage({1.67, 0.34}, {1.71, 0.49}, 0.2, 20.0), Passage::kShut) << is_grown;
+    EXPECT_EQ(ground.passage({30.0, 0.0}, {30.2, 0.0}, 0.2, 0.5), Passage::kUnknown);
   }
 }
 

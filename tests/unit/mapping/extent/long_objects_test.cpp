@@ -51,7 +51,7 @@ PositionTest not_in(const PositionTest& is_blocked) {
 /// A passage is shut if its middle is blocked.
 PassageTest shut_by(const PositionTest& is_blocked) {
   return [is_blocked](const Vector2d& from, const Vector2d& to, double, double) {
-    return is_blocked(0.5 * (from + to));
+    return is_blocked(0.5 * (from + to)) ? Passage::kShut : Passage::kUnknown;
   };
 }
 
@@ -109,6 +109,21 @@ TEST(LongThings, ALineGoesOnWhereNothingWasSeen) {
   for (Landmark& l : all) l.x_m += l.x_m > 15.0 ? 10.0 : 0.0;
   const auto nowhere = [](const Vector2d&) { return false; };
   EXPECT_EQ(join_long_objects(all, kWidest_m, shut_by(in_hedge), nowhere, kNobody).size(), 2u);
+}
+
+/// The circle around a box reaches beyond its sides: a bush beside it seems to touch it, but beams
+/// pass between them.
+TEST(LongThings, WhatBeamsPassBetweenIsNotOneThoughBordersSeemToTouch) {
+  const std::vector<Landmark> all{thing(1, {0.0, 0.0}, 0.6), thing(2, {1.2, 0.0}, 1.7)};
+  for (const bool is_open : {false, true}) {
+    const PassageTest passage = [&](const Vector2d& from, const Vector2d& to, double, double) {
+      const double x_m = 0.5 * (from + to).x();
+      return is_open && x_m > 0.35 && x_m < 0.55 ? Passage::kOpen : Passage::kShut;
+    };
+    const auto joined = join_long_objects(
+        all, 2.0, passage, [](const Vector2d&) { return false; }, kNobody);
+    EXPECT_EQ(joined.size(), is_open ? 2u : 1u);
+  }
 }
 
 /// Beams seldom reach the far end of a hedge: nothing tells that its parts there are one. What

@@ -9,8 +9,8 @@ orchard_lights="neutral dark bright warm cold low"
 light_rig() {
   case $1 in
     neutral) cat "$2" ;;
-    *ev) sed "s/^    exposure_ev: .*/    exposure_ev: $(printf '%.1f' "${1%ev}")/" "$2" ;;
-    *k) sed "s/^    temperature_k: .*/    temperature_k: ${1%k}.0/" "$2" ;;
+    [-+0-9]*ev) sed "s/^    exposure_ev: .*/    exposure_ev: $(printf '%.1f' "${1%ev}")/" "$2" ;;
+    [0-9]*k) sed "s/^    temperature_k: .*/    temperature_k: ${1%k}.0/" "$2" ;;
     dark) sed 's/^    exposure_ev: .*/    exposure_ev: -2.0/' "$2" ;;
     bright) sed 's/^    exposure_ev: .*/    exposure_ev: 2.0/' "$2" ;;
     warm) sed 's/^    temperature_k: .*/    temperature_k: 3000.0/' "$2" ;;

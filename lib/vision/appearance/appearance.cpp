@@ -107,26 +107,6 @@ std::array<cv::Mat, 3> grids_of(const PixelBlock& pixels, const PixelRect& windo
   return grids;
 }
 
-/// Logs of a channel's values times its gain. Each is computed once, because a grid contains few
-/// different values.
-class Logarithms {
- public:
-  explicit Logarithms(float gain) : gain_(gain) {}
-
-  float operator()(std::uint8_t value) {
-    if (!known_[value]) {
-      known_[value] = true;
-      logs_[value] = std::log(gain_ * value + static_cast<float>(kFloor));
-    }
-    return logs_[value];
-  }
-
- private:
-  float gain_;
-  std::array<bool, 256> known_{};
-  std::array<float, 256> logs_;
-};
-
 Planes planes_of(const std::array<cv::Mat, 3>& grids) {
   std::array<double, 3> sums{};
   for (const cv::Mat& grid : grids) {
@@ -138,22 +118,25 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
   for (std::size_t c = 0; c < 3; ++c) {
     gains[c] = static_cast<float>(kRows * kAllCols / std::max(sums[c], 1.0));
   }
-  Planes planes;
-  std::array<Logarithms, 3> logs{Logarithms(gains[0]), Logarithms(gains[1]), Logarithms(gains[2])};
+  Plane blue, green, red;
   for (int row = 0; row < kRows; ++row) {
     for (int part = 0; part < 3; ++part) {
-      const auto* pixel = grids[static_cast<std::size_t>(part)].ptr<std::uint8_t>(row);
+      const auto* pixel = grids[static_cast<std::size_t>(part)].ptr<float>(row);
       for (int col = part * kCols; col < (part + 1) * kCols; ++col, pixel += 3) {
-        const float blue = gains[0] * pixel[0], green = gains[1] * pixel[1];
-        const float red = gains[2] * pixel[2];
-        const float log_green = logs[1](pixel[1]);
-        planes.brightness(row, col) = (blue + green + red) / 3.0f;
-        planes.red(row, col) = logs[2](pixel[2]) - log_green;
-        planes.blue(row, col) = logs[0](pixel[0]) - log_green;
+        blue(row, col) = gains[0] * pixel[0];
+        green(row, col) = gains[1] * pixel[1];
+        red(row, col) = gains[2] * pixel[2];
       }
     }
   }
-  planes.brightness = (planes.brightness + static_cast<float>(kFloor)).log();
+  constexpr auto kFloorLight = static_cast<float>(kFloor);
+  const Plane log_green = (green + kFloorLight).log();
+  Planes planes;
+  // Luma (ITU-R BT.601): JPEG codes it finer than any channel, and little of it is blue, which is
+  // noisy where the light has little blue. Equal weights made smooth things look like bark there.
+  planes.brightness = (0.114f * blue + 0.587f * green + 0.299f * red + kFloorLight).log();
+  planes.red = (red + kFloorLight).log() - log_green;
+  planes.blue = (blue + kFloorLight).log() - log_green;
   return planes;
 }
 

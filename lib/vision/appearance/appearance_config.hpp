@@ -37,7 +37,7 @@ inline bool fits_features(const AppearanceConfig& c) {
 
 template <class Visitor>
 void describe(Visitor& v, AppearanceConfig& c) {
-  v.integer("version", c.version, kAppearanceVersion, kAppearanceVersion, "1",
+  v.integer("version", c.version, 1, kAppearanceVersion, "1",
             "version of the features; with another version learn the model again");
   v.number("confidence_min", c.confidence_min, 0, 1, "1",
            "min confidence of a trunk; below it the edges are not searched");
@@ -50,6 +50,8 @@ void describe(Visitor& v, AppearanceConfig& c) {
   v.numbers("squares", c.squares, -1e3, 1e3, "1",
             "log odds per squared feature minus one (in standard deviations, at most 3); empty = "
             "not used");
+  v.check(!c.learnt() || c.version == kAppearanceVersion, "version",
+          "the model was learnt with other features; run `orchard calibrate trunks` again");
   v.check(fits_features(c), "weights",
           "mean, scale and weights must have one number per feature, or all be empty; squares as "
           "well, or be empty; run `orchard calibrate trunks` again");

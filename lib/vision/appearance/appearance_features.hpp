@@ -8,10 +8,10 @@ namespace orchard::vision {
 
 /// Version of the feature definitions; +1 with every change. Weights learnt with another version
 /// must not be used.
-inline constexpr int kAppearanceVersion = 1;
+inline constexpr int kAppearanceVersion = 2;
 
 /// Names of the features of a window and the bands beside it. Brightness, red and blue are the logs
-/// of a pixel's brightness, of red over green and of blue over green.
+/// of a pixel's luma, of red over green and of blue over green.
 inline constexpr std::array kAppearanceFeatureNames{
     // mean of the window less the mean of both bands
     "brightness_contrast", "red_contrast", "blue_contrast",

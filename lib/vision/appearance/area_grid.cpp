@@ -50,10 +50,12 @@ std::vector<Cover> covers_of(int num_lines, int num_cells) {
 cv::Mat area_grid(const cv::Mat& pixels, int rows, int cols) {
   cv::Mat grid;
   if (pixels.rows < rows || pixels.cols < cols) {
-    cv::resize(pixels, grid, {cols, rows}, 0, 0, cv::INTER_AREA);
+    cv::Mat values;
+    pixels.convertTo(values, CV_32FC3);
+    cv::resize(values, grid, {cols, rows}, 0, 0, cv::INTER_AREA);
     return grid;
   }
-  grid.create(rows, cols, CV_8UC3);
+  grid.create(rows, cols, CV_32FC3);
   const std::vector<Cover> row_covers = covers_of(pixels.rows, rows);
   const std::vector<Cover> col_covers = covers_of(pixels.cols, cols);
   const auto row_size = static_cast<std::size_t>(pixels.cols) * kChannels;
@@ -66,14 +68,14 @@ cv::Mat area_grid(const cv::Mat& pixels, int rows, int cols) {
       const auto* source = pixels.ptr<std::uint8_t>(y);
       for (std::size_t i = 0; i < row_size; ++i) sums[i] += weight * source[i];
     }
-    auto* cell = grid.ptr<std::uint8_t>(r);
+    auto* cell = grid.ptr<float>(r);
     for (const Cover& over_cols : col_covers) {
       float mean[kChannels] = {};
       for (int x = over_cols.first; x <= over_cols.last; ++x) {
         const float weight = over_cols(x);
         for (int c = 0; c < kChannels; ++c) mean[c] += weight * sums[kChannels * x + c];
       }
-      for (int c = 0; c < kChannels; ++c) *cell++ = cv::saturate_cast<std::uint8_t>(mean[c]);
+      for (const float value : mean) *cell++ = value;
     }
   }
   return grid;

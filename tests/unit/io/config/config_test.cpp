@@ -106,6 +106,9 @@ TEST(Config, RefusesListsThatDoNotFit) {
   EXPECT_THAT(problems_of(head + "    mean: " + endless + "]\n"),
               ElementsAre(HasSubstr("at most 4096")));
   EXPECT_THAT(problems_of(head + "    version: 77\n"), ElementsAre(HasSubstr("version = 77")));
+  EXPECT_THAT(
+      problems_of(head + "    version: 1\n" + appearance_of(vision::kNumAppearanceFeatures)),
+      ElementsAre(HasSubstr("learnt with other features; run `orchard calibrate trunks` again")));
 }
 
 TEST(Config, TheAppearanceModelMustBeLearntBeforeItIsUsed) {

@@ -124,6 +124,40 @@ TEST(Appearance, ExposureAndWhiteBalanceCancel) {
   }
 }
 
+TEST(Appearance, AWeakChannelBringsLittleNoiseIntoBrightness) {
+  // Pictures of one colour with noise of 3 grey levels in each channel, one pixel per cell of the
+  // grid. Luma's noise is 3 sqrt(sum of (weight / mean)^2) relative to the light; neighbours differ
+  // by 2 / sqrt(pi) of that on average, their logs by 1 / 1.1 of it.
+  constexpr PixelRect window{32, 10, 8, 16};
+  for (const auto& [blue, green, red] : {std::array{100, 100, 100}, {25, 100, 160}}) {
+    cv::RNG random(5);
+    double gradient = 0.0;
+    constexpr int kPictures = 200;
+    for (int i = 0; i < kPictures; ++i) {
+      cv::Mat noise(40, 72, CV_32FC3), picture;
+      random.fill(noise, cv::RNG::NORMAL, 0.0, 3.0);
+      cv::Mat(noise + cv::Scalar(blue, green, red)).convertTo(picture, CV_8UC3);
+      const auto f = appearance_features(test::block_of(picture), window);
+      gradient += (std::exp(feature(f, "gradient_along")) - 0.02) / kPictures;
+    }
+    const double noise = 3.0 * std::hypot(0.114 / blue, 0.587 / green, 0.299 / red);
+    EXPECT_NEAR(gradient, 2.0 / std::sqrt(CV_PI) * noise / 1.1, 0.05 * noise) << blue;
+  }
+}
+
+TEST(Appearance, CellsKeepFractionsOfAGreyLevel) {
+  // Rows of 10 and 11 grey levels: a cell of four rows and two columns is 10.5, one of half-covered
+  // rows in between; rounded to whole levels it would be off by 5 %.
+  cv::Mat picture(80, 96, CV_8UC3, cv::Scalar::all(10));
+  for (int y = 0; y < picture.rows; y += 2) picture.row(y).setTo(cv::Scalar::all(11));
+  cv::Mat brighter = picture.clone();
+  brighter(cv::Rect(kWindow.x_px, 0, kWindow.width_px, picture.rows)) += cv::Scalar::all(1);
+  const auto f = appearance_features(test::block_of(brighter), kWindow);
+  const double mean = (2.0 * 10.5 + 11.5) / 3.0;
+  EXPECT_NEAR(feature(f, "brightness_contrast"),
+              std::log(11.5 / mean + 0.1) - std::log(10.5 / mean + 0.1), 1e-5);
+}
+
 TEST(Appearance, AMirrorChangesNothing) {
   const cv::Mat picture = test::busy_picture(96, 80, 3);
   cv::Mat mirrored;

@@ -30,21 +30,6 @@ for line in open(sys.argv[1]):
 open(sys.argv[2], 'w').writelines(kept)
 PYTHON
 
-# ids TRUTH MAP: the landmarks a person who knows the trees would pick
-ids() {
-  python3 - "$1" "$2/map.csv" <<'PYTHON'
-import csv, math, sys
-trees = [(float(r['x_m']), float(r['y_m'])) for r in csv.DictReader(open(sys.argv[1]))
-         if r['class'] == 'tree']
-marks = [(r['id'], float(r['x_m']), float(r['y_m'])) for r in csv.DictReader(open(sys.argv[2]))]
-picked = set()
-for x, y in trees:
-    away_m, which = min((math.hypot(m[1] - x, m[2] - y), m[0]) for m in marks)
-    if away_m < 0.3:
-        picked.add(which)
-print(','.join(sorted(picked, key=int)))
-PYTHON
-}
 # figure REPORT ROW: F1 of the first row that begins so
 figure() { awk -v row="$2" 'index($0, row) == 1 { print $5; exit }' "$1"; }
 
@@ -59,7 +44,7 @@ for seed in $(seq "${1:-1}" "${2:-10}"); do
   "$orchard" calibrate trunks "$learn.lcm" --config "$learn.yaml" --out "$learn.auto.yaml" \
     >"$learn.auto.log" 2>&1
   # Landmarks that were never seen in full are named by the first try and left out by the second.
-  picked=$(ids "$learn.truth.csv" "$learn")
+  picked=$(python3 tests/experiments/tree_ids.py "$learn.truth.csv" "$learn/map.csv")
   if ! "$orchard" calibrate trunks "$learn.lcm" --config "$learn.yaml" --out "$learn.guided.yaml" \
     --map "$learn" --ids "$picked" >"$learn.guided.log" 2>&1; then
     unseen=$(sed -n 's/.*no complete observation of these landmarks of the map: landmark \(.*\); remove.*/\1/p' "$learn.guided.log" |

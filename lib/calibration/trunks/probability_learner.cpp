@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -175,33 +176,83 @@ double log_loss(const ProbabilitySample& sample, const detection::TreeProbabilit
   return -std::log(std::max(given, 1e-12));
 }
 
+int num_recordings(const std::vector<ProbabilitySample>& samples) {
+  std::set<int> recordings;
+  for (const ProbabilitySample& sample : samples) recordings.insert(sample.recording);
+  return static_cast<int>(recordings.size());
+}
+
+/// The parts that are left out of the fit in turn.
+struct Folds {
+  int num = 1;  ///< 1: nothing is left out
+  LeftOut left_out = LeftOut::kNothing;
+  std::vector<int> of_sample;
+};
+
+Folds recording_folds(const std::vector<ProbabilitySample>& samples, int max_folds) {
+  std::map<int, int> fold_of;
+  for (const ProbabilitySample& sample : samples) fold_of[sample.recording] = 0;
+  Folds folds{std::min(static_cast<int>(fold_of.size()), max_folds), LeftOut::kRecordings, {}};
+  int next = 0;
+  for (auto& [recording, fold] : fold_of) fold = next++ % folds.num;
+  for (const ProbabilitySample& sample : samples) {
+    folds.of_sample.push_back(fold_of[sample.recording]);
+  }
+  return folds;
+}
+
+/// Deals out the trees, then the other objects, so that every fold has trees; what belongs to no
+/// object is cut into stretches of equal number.
+Folds object_folds(const std::vector<ProbabilitySample>& samples, int max_folds) {
+  std::map<int, int> fold_of;
+  std::set<int> trees, others;
+  std::ptrdiff_t num_of_none = 0;
+  for (const ProbabilitySample& sample : samples) {
+    num_of_none += sample.object < 0;
+    if (sample.object >= 0)
+      (sample.outcome == Outcome::kTree ? trees : others).insert(sample.object);
+  }
+  Folds folds{std::min(static_cast<int>(trees.size()), max_folds), LeftOut::kObjects, {}};
+  if (folds.num < 2) return {1, LeftOut::kNothing, std::vector<int>(samples.size(), 0)};
+  for (const std::set<int>* kind : {&trees, &others}) {
+    int next = 0;
+    for (const int object : *kind) fold_of[object] = next++ % folds.num;
+  }
+  std::ptrdiff_t of_none = 0;
+  for (const ProbabilitySample& sample : samples) {
+    folds.of_sample.push_back(sample.object < 0
+                                  ? static_cast<int>(of_none++ * folds.num / num_of_none)
+                                  : fold_of[sample.object]);
+  }
+  return folds;
+}
+
+Folds folds_of(const std::vector<ProbabilitySample>& samples, int max_folds) {
+  return num_recordings(samples) > 1 ? recording_folds(samples, max_folds)
+                                     : object_folds(samples, max_folds);
+}
+
 }  // namespace
 
 ProbabilityFit learn_probability(const std::vector<ProbabilitySample>& samples,
                                  const ProbabilityLearnOptions& options) {
   check(samples);
-  std::map<int, int> fold_of;
-  for (const ProbabilitySample& sample : samples) fold_of[sample.recording] = 0;
-  const int num_folds = std::min(static_cast<int>(fold_of.size()), options.max_folds);
-  int next = 0;
-  for (auto& [recording, fold] : fold_of) fold = next++ % num_folds;
-
+  const Folds folds = folds_of(samples, options.max_folds);
   std::vector<char> is_kept(samples.size(), 1);
   ProbabilityFit found = fit_weights(samples, options, is_kept, true);
-  found.num_recordings = static_cast<int>(fold_of.size());
+  found.num_recordings = num_recordings(samples);
+  found.left_out = folds.left_out;
   found.left_out_tree.assign(samples.size(), -1.0);
   double loss = 0.0;
   int num = 0;
-  for (int fold = 0; fold < num_folds; ++fold) {
+  for (int fold = 0; fold < folds.num; ++fold) {
     detection::ProbabilityConfig config = found.config;
-    if (num_folds > 1) {
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        is_kept[i] = fold_of[samples[i].recording] != fold;
-      }
+    if (folds.num > 1) {
+      for (std::size_t i = 0; i < samples.size(); ++i) is_kept[i] = folds.of_sample[i] != fold;
       config = fit_weights(samples, options, is_kept, false).config;
     }
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of[samples[i].recording] != fold) continue;
+      if (folds.of_sample[i] != fold) continue;
       if (detection::view_kind(samples[i].detection) == ViewKind::kHidden) continue;
       const auto p = tree_probability(samples[i].detection, options.width_mean_m, config);
       found.left_out_tree[i] = p.tree;

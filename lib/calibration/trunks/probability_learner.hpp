@@ -15,8 +15,8 @@ enum class Outcome { kTree, kObject, kNeither };
 struct ProbabilitySample {
   detection::Detection detection;
   Outcome outcome = Outcome::kNeither;
-  int recording = 0;  ///< cross-validation leaves out whole recordings
-  int object = -1;    ///< index of the observed object in the recording's truth; -1 = none
+  int recording = 0;
+  int object = -1;  ///< index of the observed object in the recording's truth; -1 = none
 };
 
 /// One list of weights with standard errors.
@@ -27,7 +27,14 @@ struct FittedWeights {
   std::vector<double> standard_errors;
 };
 
-/// A learnt model and its cross-validation results on left-out recordings.
+/// What cross-validation leaves out of the fit.
+enum class LeftOut {
+  kRecordings,  ///< whole recordings
+  kObjects,     ///< whole objects of a single recording, and stretches of its false alarms
+  kNothing,     ///< too few trees to leave one out: the figures are of the training data
+};
+
+/// A learnt model and its cross-validation results.
 struct ProbabilityFit {
   detection::ProbabilityConfig config;  ///< enabled
   FittedWeights judged_tree, judged_object, laser_tree, laser_object;
@@ -38,9 +45,9 @@ struct ProbabilityFit {
   double prior = 0.5;        ///< mapper.evidence_prior
   double correlation = 0.0;  ///< mapper.evidence_correlation
   int num_objects = 0;       ///< number of objects for prior and correlation
-  /// Mean over left-out observations [nat]; with only one recording, over the training data.
-  double log_loss = 0.0;
-  /// probability_tree of each sample by weights fitted without its recording; -1 = hidden.
+  LeftOut left_out = LeftOut::kNothing;
+  double log_loss = 0.0;  ///< mean over left-out observations [nat]
+  /// probability_tree of each sample by weights fitted without it; -1 = hidden.
   std::vector<double> left_out_tree;
 };
 
@@ -54,6 +61,10 @@ struct ProbabilityLearnOptions {
 /// Fits the multinomial logistic regression of detection::tree_probability() by Newton's method,
 /// then the mapper's prior and the correlation of the observations of one object from the log loss
 /// over objects. Deterministic for the same samples in the same order.
+///
+/// Cross-validation leaves out whole recordings; of a single recording whole objects, because the
+/// observations of one object are alike, and what belongs to no object by stretches of time (the
+/// samples of a recording are in order of time).
 ///
 /// Throws std::runtime_error with one sentence for fewer than 20 observations of trees or fewer
 /// than 20 of anything else.

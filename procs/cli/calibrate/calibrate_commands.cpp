@@ -150,11 +150,16 @@ void add_appearance(CLI::App& calibrate, Run& run) {
 void add_probability(CLI::App& calibrate, Run& run) {
   const char* examples =
       "  orchard calibrate probability a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out mine.yaml\n";
+      "    --config config/orchard.yaml --out mine.yaml\n"
+      "  orchard calibrate probability drive.lcm --map out/drive --ids 4,8,10-31 --config "
+      "mine.yaml\n"
+      "  orchard calibrate probability a.lcm b.lcm --map out/a out/b --config mine.yaml\n"
+      "To judge by the probabilities, set detector.decision: probability and mapper.evidence: "
+      "probability.\n";
   add_command<CalibrateProbabilityOptions>(
       calibrate, run, "probability",
-      "Calibrate the probabilities of tree and object from logs with a known truth and write them "
-      "into the rig's YAML",
+      "Calibrate the probabilities of tree and object from logs with a known truth, or from maps "
+      "whose trees a person picked, and write them into the rig's YAML",
       examples, run_calibrate_probability, [](CLI::App& command, CalibrateProbabilityOptions& o) {
         command
             .add_option("logs", o.log_paths,
@@ -162,16 +167,36 @@ void add_probability(CLI::App& calibrate, Run& run) {
                         "logged detections are used")
             ->required()
             ->type_name("LOG...");
+        CLI::Option* observations =
+            command
+                .add_option("--observations", o.observation_paths,
+                            "true observations (orchard simulate --observations), one file per log")
+                ->type_name("CSV...");
+        CLI::Option* map =
+            command
+                .add_option("--map", o.map_folders,
+                            "instead of --observations: maps of the logs (orchard map), one per "
+                            "log; learnt are their classes as corrected with orchard edit")
+                ->excludes(observations)
+                ->type_name("DIR...");
         command
-            .add_option("--observations", o.observation_paths,
-                        "true observations (orchard simulate --observations), one file per log")
-            ->required()
-            ->type_name("CSV...");
+            .add_option("--ids", o.ids,
+                        "ids of the landmarks of a single map that are trees, all others being "
+                        "objects: 4,8,10-31")
+            ->needs(map);
         command.add_option("--config", o.config_path, "rig of the recordings")
             ->required()
             ->type_name("FILE");
         add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
+        command.parse_complete_callback([&o] {
+          if (o.observation_paths.empty() && o.map_folders.empty()) {
+            throw CLI::RequiredError("--observations or --map");
+          }
+          if (!o.ids.empty() && o.map_folders.size() > 1) {
+            throw CLI::ValidationError("--ids", "ids of landmarks need a single --map");
+          }
+        });
       });
 }
 

@@ -7,6 +7,7 @@
 
 #include "bus/node/process.hpp"
 #include "calibration/trunks/probability_learner.hpp"
+#include "cli/calibrate/map_samples.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "cli/load_rig.hpp"
 #include "evaluation/detections/observation_pair.hpp"
@@ -40,11 +41,11 @@ Outcome outcome_of(const evaluation::ObservationPair& observation) {
   return observation.is_tree() ? Outcome::kTree : Outcome::kObject;
 }
 
-/// Adds a sample for each detection of a log, with its true object.
-void add_samples(const CalibrateProbabilityOptions& options, const io::Config& config,
-                 std::size_t i, std::vector<ProbabilitySample>& samples) {
+/// A sample for each detection of a log, with its true object.
+std::vector<ProbabilitySample> true_samples(const CalibrateProbabilityOptions& options,
+                                            const std::vector<detection::Detections>& messages,
+                                            std::size_t i) {
   const int recording = static_cast<int>(i);
-  const auto messages = detect_log(options.log_paths[i], config, !options.quiet);
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
   const auto found = evaluation::pair_observations(messages, truth, recording);
   if (found.num_scans == 0) {
@@ -52,11 +53,49 @@ void add_samples(const CalibrateProbabilityOptions& options, const io::Config& c
         options.observation_paths[i] + " has no scan in common with " + options.log_paths[i] +
         ": no time stamp is equal; give the file that was written together with this log");
   }
+  std::vector<ProbabilitySample> samples;
   for (const evaluation::ObservationPair& observation : found.pairs) {
     if (!observation.detection) continue;
     samples.push_back({*observation.detection, outcome_of(observation), recording,
                        observation.truth ? observation.truth->object : -1});
   }
+  return samples;
+}
+
+std::vector<ProbabilitySample> samples_of(const CalibrateProbabilityOptions& options,
+                                          const io::Config& config) {
+  const bool has_maps = !options.map_folders.empty();
+  const std::size_t num = has_maps ? options.map_folders.size() : options.observation_paths.size();
+  if (num != options.log_paths.size()) {
+    throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
+                        std::to_string(num) +
+                        (has_maps ? " maps; give one --map per log, in order"
+                                  : " observation files; give one --observations per log, in "
+                                    "order"));
+  }
+  std::vector<ProbabilitySample> samples;
+  for (std::size_t i = 0; i < num; ++i) {
+    const auto messages = detect_log(options.log_paths[i], config, !options.quiet);
+    const auto more = has_maps ? map_samples({options.log_paths[i], options.map_folders[i],
+                                              options.ids, static_cast<int>(i)},
+                                             messages, config, options.quiet)
+                               : true_samples(options, messages, i);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  return samples;
+}
+
+/// How the calibration error was measured.
+const char* validation_text(const ProbabilityFit& fit) {
+  switch (fit.left_out) {
+    case calibration::LeftOut::kRecordings:
+      return "cross-validated over recordings";
+    case calibration::LeftOut::kObjects:
+      return "cross-validated over the objects of one recording";
+    case calibration::LeftOut::kNothing:
+      break;
+  }
+  return "on the training data, which has only one tree";
 }
 
 std::string list_text(const std::vector<double>& values) {
@@ -94,26 +133,27 @@ void print_fit(const ProbabilityFit& fit, double error) {
       "%s: expected calibration error %.4f, log loss %.4f\n"
       "landmarks: fraction of trees %.3f, fraction of trees among observations %.3f, correlation "
       "of observations %.3f\n",
-      fit.num_judged, fit.num_laser, fit.num_objects, fit.num_recordings,
-      fit.num_recordings > 1
-          ? "cross-validated over recordings"
-          : "on the training data (give several recordings for cross-validation)",
+      fit.num_judged, fit.num_laser, fit.num_objects, fit.num_recordings, validation_text(fit),
       error, fit.log_loss, fit.prior, fit.base_rate, fit.correlation);
+}
+
+/// The keys that a person still has to set before the probabilities judge.
+std::string to_set(const io::Config& config) {
+  std::string keys;
+  if (config.detector.decision != detection::Decision::kProbability) {
+    keys = "detector.decision: probability";
+  }
+  if (config.mapper.evidence != mapping::Evidence::kProbability) {
+    keys += (keys.empty() ? "" : " and ") + std::string("mapper.evidence: probability");
+  }
+  return keys.empty() ? "" : "; to judge by these probabilities, set " + keys + " there";
 }
 
 }  // namespace
 
 int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
   const io::Config config = load_rig(options.config_path);
-  if (options.observation_paths.size() != options.log_paths.size()) {
-    throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
-                        std::to_string(options.observation_paths.size()) +
-                        " observation files; give one --observations per log, in order");
-  }
-  std::vector<ProbabilitySample> samples;
-  for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
-    add_samples(options, config, i, samples);
-  }
+  const std::vector<ProbabilitySample> samples = samples_of(options, config);
   calibration::ProbabilityLearnOptions rules;
   rules.width_mean_m = config.detector.width.mean_m;
   ProbabilityFit fit;
@@ -129,7 +169,8 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
   const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " observations in " +
                            std::to_string(fit.num_recordings) + " recordings, from " +
                            std::filesystem::path(options.log_paths.front()).filename().string() +
-                           "; calibration error " + fixed_text(error, 4) + " (cross-validated)";
+                           "; calibration error " + fixed_text(error, 4) + " (" +
+                           validation_text(fit) + ")";
   io::edit_config_file(options.config_path, out,
                        {{"detector.probability.enabled", "true"},
                         {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},
@@ -140,7 +181,7 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
                         {"mapper.evidence_base_rate", fixed_text(fit.base_rate, 3)},
                         {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}},
                        "orchard calibrate probability", note);
-  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  if (!options.quiet) std::printf("written to %s%s\n", out.c_str(), to_set(config).c_str());
   return bus::kExitOk;
 }
 

@@ -16,6 +16,7 @@
 #include "cli/calibrate/appearance_values.hpp"
 #include "cli/calibrate/calibrate_pictures.hpp"
 #include "cli/calibrate/number_list.hpp"
+#include "cli/calibrate/picked_ids.hpp"
 #include "cli/calibrate/trunk_collector.hpp"
 #include "cli/calibrate/trunk_list.hpp"
 #include "cli/load_rig.hpp"
@@ -119,19 +120,10 @@ std::vector<calibration::PickedTrunk> places_of(const CalibrateTrunksOptions& op
                                : options.map_folder;
   const auto landmarks = io::read_map_csv(path);
   std::vector<calibration::PickedTrunk> places;
-  std::string missing;
-  for (const int id : parse_number_list(options.ids, "--ids")) {
+  for (const int id : picked_ids(options.ids, landmarks, path)) {
     const auto found = std::find_if(landmarks.begin(), landmarks.end(),
                                     [id](const auto& landmark) { return landmark.id == id; });
-    if (found == landmarks.end()) {
-      missing += (missing.empty() ? "" : ", ") + std::to_string(id);
-    } else {
-      places.push_back({id, found->x_m, found->y_m});
-    }
-  }
-  if (!missing.empty()) {
-    throw io::FileError(path + ": no landmark has id " + missing +
-                        "; choose ids from the column id of this file");
+    places.push_back({id, found->x_m, found->y_m});
   }
   return places;
 }

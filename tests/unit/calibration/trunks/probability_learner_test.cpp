@@ -164,6 +164,50 @@ TEST(ProbabilityLearner, ObservationsThatFractionTheirErrorsCountForLess) {
   EXPECT_LT(learn_probability(shuffled, {0.1, 1.0, 10}).correlation, of_alike.correlation);
 }
 
+/// Mean log loss of an honest judge: weights on observations they were not learnt from [nat].
+double loss_of(const std::vector<ProbabilitySample>& samples,
+               const detection::ProbabilityConfig& config) {
+  double loss = 0.0;
+  for (const ProbabilitySample& s : samples) {
+    const auto p = detection::tree_probability(s.detection, 0.1, config);
+    loss -= std::log(std::max(1e-12, s.outcome == Outcome::kTree ? p.tree : p.object));
+  }
+  return loss / static_cast<double>(samples.size());
+}
+
+TEST(ProbabilityLearner, OneRecordingStatesTheLossOfObjectsItNeverSaw) {
+  // Sixteen objects of eight alike observations each: the training data flatter the fit.
+  double trained = 0.0, stated = 0.0, fresh = 0.0;
+  constexpr int kNum = 20;
+  for (std::uint64_t seed = 1; seed <= kNum; ++seed) {
+    const auto samples = observations(seed, 1, 16);
+    const ProbabilityFit fit = learn_probability(samples, {0.1, 1.0, 10});
+    EXPECT_EQ(fit.left_out, LeftOut::kObjects);
+    trained += loss_of(samples, fit.config) / kNum;
+    stated += fit.log_loss / kNum;
+    fresh += loss_of(observations(seed + 1000, 1, 200), fit.config) / kNum;
+  }
+  EXPECT_GT(fresh, 1.3 * trained);
+  EXPECT_NEAR(stated, fresh, 0.25 * fresh);
+}
+
+TEST(ProbabilityLearner, LeavesOutRecordingsObjectsOrSaysThatItCannot) {
+  EXPECT_EQ(learn_probability(observations(1, 3, 30), {}).left_out, LeftOut::kRecordings);
+  auto one_tree = observations(1, 1, 30);
+  for (auto& s : one_tree) {
+    if (s.outcome == Outcome::kTree) s.object = 100;
+  }
+  EXPECT_EQ(learn_probability(one_tree, {}).left_out, LeftOut::kNothing);
+  // False alarms belong to no object; they are left out, too.
+  auto samples = observations(1, 1, 30);
+  for (auto& s : samples) {
+    if (s.outcome == Outcome::kObject) s.outcome = Outcome::kNeither, s.object = -1;
+  }
+  const ProbabilityFit fit = learn_probability(samples, {});
+  EXPECT_EQ(fit.left_out, LeftOut::kObjects);
+  for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_GE(fit.left_out_tree[i], 0.0) << i;
+}
+
 TEST(ProbabilityLearner, SameSamplesSameBits) {
   const auto a = learn_probability(observations(4, 3, 30), {}),
              b = learn_probability(observations(4, 3, 30), {});

@@ -15,9 +15,6 @@ namespace {
 /// Extent of the position uncertainty, in standard deviations.
 constexpr double kPosition_sigma = 2.0;
 
-/// Minimum fraction of the beams across the position uncertainty that must pass.
-constexpr double kPassFraction = 0.8;
-
 using Eigen::Vector2d;
 
 // Codes from 1 to kFarthest are ranges.

@@ -11,8 +11,6 @@
 namespace orchard::mapping {
 namespace {
 
-/// Width of a queried position [m]: two or more beams cross it.
-constexpr double kSeenPlace_m = 0.2;
 /// Positions this close to the path of base were driven over [m]: less than half the width of any
 /// vehicle.
 constexpr double kDriven_m = 0.25;

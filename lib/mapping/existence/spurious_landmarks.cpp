@@ -167,6 +167,24 @@ bool is_of_a_bush(const MapState& map, std::int32_t index) {
   return is_part;
 }
 
+/// Whether scans saw most of the ground of a wide landmark free, its position among it: a single
+/// view of an object half occluded or passing by has any width. Beams end at what stands there.
+bool stands_on_free_ground(const LandmarkRecord& r, double object_width_max_m,
+                           GroundOccupancy& ground) {
+  const double radius_m = std::min(extent_radius_m(r), object_width_max_m);
+  if (2.0 * radius_m <= kSeenPlace_m || !ground.is_free(r.association_position())) return false;
+  int num = 1, num_free = 1;  // its position
+  for (double x_m = -radius_m; x_m <= radius_m; x_m += kSeenPlace_m) {
+    for (double y_m = -radius_m; y_m <= radius_m; y_m += kSeenPlace_m) {
+      const Eigen::Vector2d arm(x_m, y_m);
+      if (arm.norm() > radius_m) continue;
+      ++num;
+      num_free += ground.is_free(r.association_position() + arm);
+    }
+  }
+  return num_free >= kPassFraction * num;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupancy& ground) {
@@ -179,6 +197,7 @@ std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupanc
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
     if (is_within_another(map, i) || is_of_a_bush(map, i) || is_flickering(map, r) ||
         wind.sways(r) || walked.is_footprint(r) ||
+        stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
         log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);
     }

@@ -17,13 +17,13 @@ bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
          log_odds_of_tree(r.log_odds, r.num_observations, config) < kSurelyNone;
 }
 
-/// Whether a landmark is part of the clump in whose extent it lies whole. What is certainly no tree
-/// already is where the borders touch; within the clump it is enough that it is rather none, as for
-/// a detection.
-bool is_inside(const LandmarkRecord& r, const LandmarkRecord& clump, double distance_m,
-               const MapperConfig& config) {
+/// Whether a landmark is part of a clump whose extent it overlaps: two objects cannot
+/// stand in one place. What is certainly no tree already is where the borders touch; here it is
+/// enough that it is rather none, as for a detection.
+bool overlaps(const LandmarkRecord& r, const LandmarkRecord& clump, double distance_m,
+              const MapperConfig& config) {
   return clump.is_clump && is_surely_no_tree(clump, config) &&
-         distance_m + extent_radius_m(r) < extent_radius_m(clump) &&
+         distance_m < extent_radius_m(clump) + extent_radius_m(r) &&
          label_of(r, config) != detection::Label::kTree && probability_of_tree(r, config) < 0.5;
 }
 
@@ -55,7 +55,7 @@ std::int32_t touching_clump(const LandmarkTable& landmarks, std::int32_t index,
         const double other_m = extent_radius_m(other);
         const double distance_m = (other.association_position() - r.association_position()).norm();
         if (!(is_none && is_surely_no_tree(other, config)) &&
-            !is_inside(r, other, distance_m, config) && !is_inside(other, r, distance_m, config)) {
+            !overlaps(r, other, distance_m, config) && !overlaps(other, r, distance_m, config)) {
           return;
         }
         if (distance_m + radius_m + other_m > config.object_width_max_m) return;

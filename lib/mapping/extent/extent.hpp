@@ -17,7 +17,7 @@ inline constexpr double kTouch_m = 0.15;
 double extent_radius_m(const LandmarkRecord& record);
 
 /// Index of the landmark that forms one clump with landmark `index`: both are certainly not trees,
-/// and their borders touch; or one is rather not a tree and lies within the other. The clump is at
+/// and their borders touch; or one is rather not a tree and overlaps the other. The clump is at
 /// most `object_width_max_m` wide; larger objects stay several landmarks until map files are
 /// written (long_objects.hpp). -1 if there is none.
 std::int32_t touching_clump(const LandmarkTable& landmarks, std::int32_t index,

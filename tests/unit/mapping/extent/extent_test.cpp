@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which landmarks are parts of a bush: what certainly is no tree where the borders touch, what
-// rather is none within it.
+// rather is none where it overlaps the bush.
 #include "mapping/extent/extent.hpp"
 
 #include <gtest/gtest.h>
@@ -35,9 +35,10 @@ TEST(Extent, WhatIsCertainlyNoTreeIsPartOfTheBushItTouches) {
   EXPECT_EQ(bush_of(0.7, -4.0f), -1);
 }
 
-TEST(Extent, WithinABushItIsEnoughToBeRatherNone) {
+TEST(Extent, InABushItIsEnoughToBeRatherNone) {
   EXPECT_EQ(bush_of(0.2, -0.5f), 0);
-  EXPECT_EQ(bush_of(0.5, -0.5f), -1);
+  EXPECT_EQ(bush_of(0.43, -0.5f), 0) << "they overlap";
+  EXPECT_EQ(bush_of(0.47, -0.5f), -1) << "they only touch";
   EXPECT_EQ(bush_of(0.2, 0.5f), -1);
 }
 

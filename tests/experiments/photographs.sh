@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Area under the ROC curve of a model learnt from photographs of a cherry orchard (cherry_trunks of
 # ../shared/data, or PHOTOGRAPHS=folder) on photographs of other trees, at other exposures and lights.
 #   tests/experiments/photographs.sh [LEARNT JUDGED]...    such as 000-019 020-119 (the default)
 # EXPOSURES="0 -2 -1 1 2" [EV]  GAINS="1:1 1.23:0.69 0.87:1.12" (red:blue)
 # Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-build}/bin/orchard
 data=${PHOTOGRAPHS:-../shared/data/cherry_trunks}

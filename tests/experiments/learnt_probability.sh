@@ -23,13 +23,13 @@ learn() {
   fi
   "$orchard" calibrate probability "$2.lcm" "${source[@]}" --config "$2.guided.yaml" --out "$rig" \
     >"${rig%.yaml}.log" 2>&1
-  sed -i 's/^detector:/&\n  decision: probability/; s/^mapper:/&\n  evidence: probability/' "$rig"
+  sed -i '/^  decision:/d; s/^detector:/&\n  decision: probability/; s/^mapper:/&\n  evidence: probability/' "$rig"
 }
 
 for seed in $(seq "${1:-1}" "${2:-10}"); do
   learn=$(ls "$drives"/*k_"$seed".guided.yaml)
   learn=${learn%.guided.yaml} judge=${learn%_*}_$((seed + 100)) name=$(basename "$learn")
-  cp "$learn.guided.yaml" "$out/$name.none.yaml"
+  sed '/^  decision:/d' "$learn.guided.yaml" >"$out/$name.none.yaml"  # decides as the paper does
   learn truth "$learn"
   learn map "$learn"
   figures="$seed"

@@ -271,15 +271,25 @@ Calibration calibrate(const Judged& judged) {
   return c;
 }
 
-/// Applies to every fold the fit to all others. Fills the figures of `found` and returns the
-/// calibration of the log odds.
-Calibration cross_validate(const std::vector<Fold>& folds, const Shape& shape,
+/// Applies to every fold the fit to all others. Fills the figures of `found` and its left_out, and
+/// returns the calibration of the log odds.
+Calibration cross_validate(const std::vector<AppearanceSample>& samples,
+                           const std::vector<Fold>& folds, const Shape& shape,
                            AppearanceFit& found) {
   Judged judged;
-  for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, shape));
+  found.left_out.assign(samples.size(), std::numeric_limits<double>::quiet_NaN());
+  for (const Fold& fold : folds) {
+    const vision::AppearanceConfig config = fit(fold.outside, shape);
+    judged.add(fold.inside, config);
+    for (const AppearanceSample* sample : fold.inside) {
+      found.left_out[static_cast<std::size_t>(sample - samples.data())] =
+          vision::appearance_log_odds(sample->features, config);
+    }
+  }
   if (folds.empty()) return {};
   found.area = geometry::roc_area(judged.trunk, judged.other);
   const Calibration c = calibrate(judged);
+  for (double& score : found.left_out) score = c.offset + c.slope * score;
   for (const double score : judged.trunk) {
     found.log_loss +=
         0.5 * loss_of(c.offset + c.slope * score) / static_cast<double>(judged.trunk.size());
@@ -320,7 +330,7 @@ AppearanceFit learn_appearance(const std::vector<AppearanceSample>& samples,
   const std::vector<Fold> folds = deal_folds(samples, options.max_folds);
   const Shape shape = choose_shape(folds, options);
   found.penalty = shape.penalty;
-  const Calibration calibration = cross_validate(folds, shape, found);
+  const Calibration calibration = cross_validate(samples, folds, shape, found);
   Samples all;
   for (const AppearanceSample& sample : samples) all.push_back(&sample);
   found.config = fit(all, shape);

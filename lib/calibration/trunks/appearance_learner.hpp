@@ -33,6 +33,9 @@ struct AppearanceFit {
   int num_trunk = 0;  ///< number of windows on trunks
   int num_other = 0;
   int num_groups = 0;
+  /// Log odds of each sample by a model learnt without its group; NaN if its fold has one class
+  /// only.
+  std::vector<double> left_out;
 };
 
 /// Learns the appearance model of trunks: a logistic regression on standardised features with equal

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <stdexcept>
 #include <utility>
 
 #include "geometry/statistics.hpp"
@@ -24,68 +23,33 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
   return some;
 }
 
-/// Confidence below which a window is not a trunk in any light.
-constexpr double kSurelyNone = 0.1;
+/// The windows of the model's objects, and which of them lie on an object and which beside it.
+struct TrunkWindows {
+  std::vector<AppearanceSample> samples;
+  std::vector<char> is_on;
+  std::vector<const WindowObservation*> windows;
+};
 
-/// Widths of trees reach farther than the trunks that were chosen within width_spread: objects
-/// within so many standard deviations of the chosen trunks may be trunks, too.
-constexpr double kDoubtful_sigma = 3.0;
-
-/// Largest difference from the mean width with which an object may be a trunk [m].
-double doubtful_width_m(const TrunkModel& model) {
-  double squares_m2 = 0.0;
-  for (const ObservedObject& seen : model.objects) {
-    if (seen.is_trunk) squares_m2 += geometry::square(seen.median_width_m - model.width_mean_m);
-  }
-  return std::max(model.width_spread * model.width_mean_m,
-                  kDoubtful_sigma * std::sqrt(squares_m2 / std::max(1, model.num_trunks)));
-}
-
-/// Somebody who walks is observed at positions that scatter more than those of the trunks by at
-/// least this factor.
-constexpr double kWalks = 3.0;
-
-/// RMS distance of an object's observations from their mean [m].
-double scatter_m(const ObservedObject& seen, const std::vector<TrunkObservation>& observations) {
-  double x_m = 0.0, y_m = 0.0, squares_m2 = 0.0;
-  const auto n = static_cast<double>(std::max<std::size_t>(1, seen.observations.size()));
-  for (const std::size_t i : seen.observations) {
-    x_m += observations[i].x_m / n;
-    y_m += observations[i].y_m / n;
-  }
-  for (const std::size_t i : seen.observations) {
-    squares_m2 += geometry::square(observations[i].x_m - x_m);
-    squares_m2 += geometry::square(observations[i].y_m - y_m);
-  }
-  return std::sqrt(squares_m2 / n);
-}
-
-/// Scatter from which on an object walks [m].
-double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>& observations) {
-  std::vector<double> of_trunks_m;
-  for (const ObservedObject& seen : model.objects) {
-    if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
-  }
-  return of_trunks_m.empty() ? 0.0 : kWalks * geometry::median(std::move(of_trunks_m));
-}
-
-bool may_be_trunk(const ObservedObject& seen, const TrunkModel& model, double limit_m) {
-  return !seen.is_trunk && !model.is_picked &&
-         std::abs(seen.median_width_m - model.width_mean_m) <= limit_m;
-}
-
-std::optional<double> mean_confidence(const ObservedObject& seen,
-                                      const std::vector<TrunkObservation>& observations,
-                                      const vision::AppearanceConfig& config) {
-  double sum = 0.0, n = 0.0;
-  for (const std::size_t i : spread(seen.observations)) {
-    for (const WindowObservation& window : observations[i].on) {
-      sum += vision::appearance_confidence(window.features, config);
-      n += 1.0;
+TrunkWindows windows_of(const std::vector<TrunkObservation>& observations,
+                        const TrunkModel& model) {
+  TrunkWindows all;
+  const auto take = [&](const WindowObservation& window, bool is_trunk, bool is_on, int group) {
+    all.samples.push_back({window.features, is_trunk, group});
+    all.is_on.push_back(is_on);
+    all.windows.push_back(&window);
+  };
+  for (std::size_t object = 0; object < model.objects.size(); ++object) {
+    const ObservedObject& seen = model.objects[object];
+    if (seen.is_doubtful) continue;
+    for (const std::size_t i : spread(seen.observations)) {
+      for (const auto& window : observations[i].on)
+        take(window, seen.is_trunk, true, static_cast<int>(object));
+      if (!seen.is_trunk) continue;
+      for (const auto& window : observations[i].beside)
+        take(window, false, false, static_cast<int>(object));
     }
   }
-  if (n <= 0.0) return std::nullopt;
-  return sum / n;
+  return all;
 }
 
 }  // namespace
@@ -96,67 +60,41 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
   vision::ColourConfig interval = colour;
   interval.hue_min_deg = model.hue_min_deg;
   interval.hue_max_deg = model.hue_max_deg;
-  std::vector<AppearanceSample> samples;
+  const TrunkWindows all = windows_of(observations, model);
   std::vector<double> hue_trunk, hue_other;
-  const auto take = [&](const WindowObservation& window, bool is_trunk, int group) {
-    samples.push_back({window.features, is_trunk, group});
-    const double roc = vision::colour_confidence(window.hues, interval).roc;
-    (is_trunk ? hue_trunk : hue_other).push_back(roc);
-  };
-  const double limit_m = doubtful_width_m(model), walks_m = walks_from_m(model, observations);
-  std::vector<std::size_t> doubtful;
-  for (std::size_t object = 0; object < model.objects.size(); ++object) {
-    const ObservedObject& seen = model.objects[object];
-    if (may_be_trunk(seen, model, limit_m) && scatter_m(seen, observations) < walks_m) {
-      doubtful.push_back(object);
-      continue;
-    }
-    for (const std::size_t i : spread(seen.observations)) {
-      for (const auto& window : observations[i].on)
-        take(window, seen.is_trunk, static_cast<int>(object));
-      if (!seen.is_trunk) continue;
-      for (const auto& window : observations[i].beside)
-        take(window, false, static_cast<int>(object));
-    }
+  for (std::size_t i = 0; i < all.samples.size(); ++i) {
+    const double roc = vision::colour_confidence(all.windows[i]->hues, interval).roc;
+    (all.samples[i].is_trunk ? hue_trunk : hue_other).push_back(roc);
   }
-  TrunkAppearance appearance;
-  const AppearanceFit first = learn_appearance(samples);
-  const std::size_t num_sure = samples.size();
-  for (const std::size_t object : doubtful) {
-    const ObservedObject& seen = model.objects[object];
-    const auto confidence = mean_confidence(seen, observations, first.config);
-    if (!confidence) continue;
-    const double off_m = std::abs(seen.median_width_m - model.width_mean_m);
-    if (*confidence >= first.config.confidence_min &&
-        off_m <= model.width_spread * model.width_mean_m) {
-      appearance.likely_trunks.push_back(static_cast<int>(object) + 1);
-    }
-    if (*confidence > kSurelyNone) continue;
-    for (const std::size_t i : spread(seen.observations)) {
-      for (const auto& window : observations[i].on) take(window, false, static_cast<int>(object));
-    }
-  }
-  appearance.fit = samples.size() > num_sure ? learn_appearance(samples) : first;
-  appearance.hue_interval_area = geometry::roc_area(hue_trunk, hue_other);
-  return appearance;
+  return {learn_appearance(all.samples), geometry::roc_area(hue_trunk, hue_other)};
 }
 
-TrunkModel with_likely_trunks(const std::vector<TrunkObservation>& observations,
-                              const TrunkModel& model, TrunkModelOptions options,
-                              const vision::ColourConfig& colour) {
-  if (model.is_picked || !model.has_hue) return model;
-  TrunkModel all = model;
-  try {
-    while (true) {  // each round adds at least one object
-      const auto likely = learn_trunk_appearance(observations, all, colour).likely_trunks;
-      options.added.insert(options.added.end(), likely.begin(), likely.end());
-      TrunkModel more = estimate_trunk_model(observations, options);
-      if (more.num_trunks <= all.num_trunks) return all;
-      all = std::move(more);
-    }
-  } catch (const std::runtime_error&) {
-    return all;
+std::vector<std::optional<double>> trunk_scores(const std::vector<TrunkObservation>& observations,
+                                                const TrunkModel& model) {
+  const TrunkWindows all = windows_of(observations, model);
+  const AppearanceFit fit = learn_appearance(all.samples);
+  std::vector<double> sums(model.objects.size()), numbers(model.objects.size());
+  const auto add = [&](std::size_t object, double log_odds) {
+    sums[object] += log_odds;
+    numbers[object] += 1.0;
+  };
+  for (std::size_t i = 0; i < all.samples.size(); ++i) {
+    if (!all.is_on[i]) continue;
+    const auto object = static_cast<std::size_t>(all.samples[i].group);
+    if (!std::isnan(fit.left_out[i])) add(object, fit.left_out[i]);
   }
+  for (std::size_t object = 0; object < model.objects.size(); ++object) {
+    if (!model.objects[object].is_doubtful) continue;
+    for (const std::size_t i : spread(model.objects[object].observations)) {
+      for (const WindowObservation& window : observations[i].on)
+        add(object, vision::appearance_log_odds(window.features, fit.config));
+    }
+  }
+  std::vector<std::optional<double>> scores(model.objects.size());
+  for (std::size_t object = 0; object < scores.size(); ++object) {
+    if (numbers[object] > 0.0) scores[object] = sums[object] / numbers[object];
+  }
+  return scores;
 }
 
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,

@@ -296,15 +296,13 @@ std::vector<std::size_t> find_trunks(const std::vector<ObjectTrack>& tracks, boo
   if (!options.picked_trunks.empty()) {
     return picked_by_place(tracks, options.picked_trunks, options.gate_m);
   }
-  auto trunks = largest_population(tracks, std::vector<bool>(tracks.size()), has_hue, options);
+  if (!options.judged.empty()) return picked_by_number(tracks, options.judged);
+  const auto trunks =
+      largest_population(tracks, std::vector<bool>(tracks.size()), has_hue, options);
   if (trunks.empty()) {
     throw std::runtime_error("no separate object was observed " +
                              std::to_string(options.min_observations) +
                              " times or more; drive past trunks more slowly or nearer");
-  }
-  for (const std::size_t i : picked_by_number(tracks, options.added)) {
-    if (tracks[i].seen.num_observations < options.min_observations) continue;
-    if (std::find(trunks.begin(), trunks.end(), i) == trunks.end()) trunks.push_back(i);
   }
   return trunks;
 }
@@ -352,6 +350,11 @@ void measure_width(const std::vector<double>& all_m, std::vector<std::size_t>& u
 }
 
 }  // namespace
+
+const char* class_name(const ObservedObject& seen) {
+  if (seen.is_trunk) return "trunk";
+  return seen.is_doubtful ? "doubtful" : "other";
+}
 
 TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observations,
                                 const TrunkModelOptions& options) {

@@ -33,7 +33,7 @@ struct TrunkModelOptions {
   double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
   std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic
   std::vector<PickedTrunk> picked_trunks;  ///< or positions of the trunks in map
-  std::vector<int> added;  ///< numbers of objects that are trunks besides those found automatically
+  std::vector<int> judged;  ///< or numbers of the objects that select_trunks() judged as trunks
 };
 
 /// One object that was observed several times.
@@ -45,8 +45,12 @@ struct ObservedObject {
   double median_width_m = 0.0;
   double dominant_hue_deg = 0.0;
   bool is_trunk = false;                  ///< picked, or belongs to the dominant population
+  bool is_doubtful = false;               ///< neither trunk nor anything else for certain
   std::vector<std::size_t> observations;  ///< indices of its observations
 };
+
+/// "trunk", "doubtful" or "other".
+const char* class_name(const ObservedObject& seen);
 
 /// Parameters of trunks for eqs. 9, 10 and figure 8.
 struct TrunkModel {

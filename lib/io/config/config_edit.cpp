@@ -171,6 +171,16 @@ class Editor {
   std::vector<std::string> lines_;
 };
 
+/// The text of a configuration file.
+std::string text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    throw FileError(path + ": cannot be read; give an existing configuration");
+  }
+  return text.str();
+}
+
 }  // namespace
 
 std::string edit_config(const std::string& yaml, const std::string& name,
@@ -188,15 +198,14 @@ std::string edit_config(const std::string& yaml, const std::string& name,
   return edited;
 }
 
+Config edited_config(const std::string& path, const std::vector<ConfigValue>& values) {
+  return parse_config(edit_config(text_of(path), path, values), path);
+}
+
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw FileError(path + ": cannot be read; give an existing configuration");
-  }
-  const std::string edited = edit_config(text.str(), path, values, tag, note);
+  const std::string edited = edit_config(text_of(path), path, values, tag, note);
   // The file at out_path may be the only copy of another rig.
   std::error_code error;
   if (std::filesystem::is_regular_file(out_path, error)) {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "io/config/config.hpp"
+
 namespace orchard::io {
 
 /// One value to set in a rig's YAML.
@@ -28,5 +30,8 @@ std::string edit_config(const std::string& yaml, const std::string& name,
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note);
+
+/// The configuration that edit_config_file() would write; writes nothing. Throws as it does.
+Config edited_config(const std::string& path, const std::vector<ConfigValue>& values);
 
 }  // namespace orchard::io

@@ -253,6 +253,16 @@ void add_calibrate(CLI::App& app, Run& run) {
                         "hue_interval, appearance, or auto: the better one of both")
             ->transform(CLI::CheckedTransformer(choices))
             ->type_name("MODEL");
+        const std::map<std::string, DecisionChoice> decisions{
+            {"auto", DecisionChoice::kAuto},
+            {"roc", DecisionChoice::kRoc},
+            {"probability", DecisionChoice::kProbability}};
+        command
+            .add_option("--decision", o.decision,
+                        "how the detector decides: roc, as the paper, probability, with weights "
+                        "learnt here, or auto: the one with fewer errors on left-out objects")
+            ->transform(CLI::CheckedTransformer(decisions))
+            ->type_name("DECISION");
         CLI::Option* list =
             command
                 .add_option(
@@ -262,7 +272,8 @@ void add_calibrate(CLI::App& app, Run& run) {
         CLI::Option* trees =
             command
                 .add_option("--trees", o.trees,
-                            "numbers of the trunks on the page of --list: 3,7,9-20")
+                            "numbers of all trunks on the page of --list, the rest being something "
+                            "else: 3,7,9-20")
                 ->excludes(list);
         CLI::Option* map = command
                                .add_option("--map", o.map_folder,
@@ -270,8 +281,10 @@ void add_calibrate(CLI::App& app, Run& run) {
                                ->excludes(list)
                                ->excludes(trees)
                                ->type_name("DIR");
-        CLI::Option* ids = command.add_option("--ids", o.ids,
-                                              "ids of the landmarks of --map that are trunks: 4,8");
+        CLI::Option* ids =
+            command.add_option("--ids", o.ids,
+                               "ids of all landmarks of --map that are trunks, the rest being "
+                               "something else: 4,8");
         ids->needs(map);
         map->needs(ids);
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");

@@ -8,6 +8,7 @@
 #include "bus/node/process.hpp"
 #include "calibration/trunks/probability_learner.hpp"
 #include "cli/calibrate/map_samples.hpp"
+#include "cli/calibrate/probability_values.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "cli/load_rig.hpp"
 #include "evaluation/detections/observation_pair.hpp"
@@ -98,14 +99,6 @@ const char* validation_text(const ProbabilityFit& fit) {
   return "on the training data, which has only one tree";
 }
 
-std::string list_text(const std::vector<double>& values) {
-  std::string text = "[";
-  for (const double value : values) {
-    text += (text.size() > 1 ? ", " : "") + fixed_text(value, 4);
-  }
-  return text + "]";
-}
-
 void print_weights(const char* title, const calibration::FittedWeights& tree,
                    const calibration::FittedWeights& object) {
   std::printf("%-18s %9s %7s   %9s %7s\n", title, "tree", "se", "object", "se");
@@ -171,15 +164,7 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
                            std::filesystem::path(options.log_paths.front()).filename().string() +
                            "; calibration error " + fixed_text(error, 4) + " (" +
                            validation_text(fit) + ")";
-  io::edit_config_file(options.config_path, out,
-                       {{"detector.probability.enabled", "true"},
-                        {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},
-                        {"detector.probability.judged_object", list_text(fit.config.judged_object)},
-                        {"detector.probability.laser_tree", list_text(fit.config.laser_tree)},
-                        {"detector.probability.laser_object", list_text(fit.config.laser_object)},
-                        {"mapper.evidence_prior", fixed_text(fit.prior, 3)},
-                        {"mapper.evidence_base_rate", fixed_text(fit.base_rate, 3)},
-                        {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}},
+  io::edit_config_file(options.config_path, out, probability_values(fit),
                        "orchard calibrate probability", note);
   if (!options.quiet) std::printf("written to %s%s\n", out.c_str(), to_set(config).c_str());
   return bus::kExitOk;

@@ -13,6 +13,7 @@
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/trunk_appearance.hpp"
 #include "calibration/trunks/trunk_model.hpp"
+#include "calibration/trunks/trunk_selection.hpp"
 #include "cli/calibrate/appearance_values.hpp"
 #include "cli/calibrate/calibrate_pictures.hpp"
 #include "cli/calibrate/number_list.hpp"
@@ -31,9 +32,9 @@
 namespace orchard::cli {
 namespace {
 
-std::vector<calibration::TrunkObservation> observe_logs(const CalibrateTrunksOptions& options,
-                                                        const io::Config& config) {
-  std::vector<calibration::TrunkObservation> observations;
+TrunkDrives observe_logs(const CalibrateTrunksOptions& options, const io::Config& config) {
+  TrunkDrives drives;
+  drives.log_paths = options.log_paths;
   int num_pairs = 0;
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
@@ -48,7 +49,8 @@ std::vector<calibration::TrunkObservation> observe_logs(const CalibrateTrunksOpt
       std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
     }
     const auto seen = collector.observations();
-    observations.insert(observations.end(), seen.begin(), seen.end());
+    drives.observations.insert(drives.observations.end(), seen.begin(), seen.end());
+    drives.paths.push_back(collector.poses());
     num_pairs += collector.num_pairs();
   }
   if (num_pairs == 0) {
@@ -59,7 +61,7 @@ std::vector<calibration::TrunkObservation> observe_logs(const CalibrateTrunksOpt
                "(for a rig without a camera set camera.enabled: false)"
              : " has no valid scan"));
   }
-  return observations;
+  return drives;
 }
 
 void print_table(const calibration::TrunkModel& model) {
@@ -69,8 +71,7 @@ void print_table(const calibration::TrunkModel& model) {
     ++number;
     if (thing.num_observations < 2) continue;
     std::printf("%-6d %5d %9.1f %8.1f  %s\n", number, thing.num_observations,
-                1e3 * thing.median_width_m, thing.dominant_hue_deg,
-                thing.is_trunk ? "trunk" : "other");
+                1e3 * thing.median_width_m, thing.dominant_hue_deg, calibration::class_name(thing));
   }
   std::printf("%d trunks, %d observations: width %.2f mm, sd %.2f mm", model.num_trunks,
               model.num_observations, 1e3 * model.width_mean_m, 1e3 * model.width_sd_m);
@@ -200,12 +201,13 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives past trunks");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
-  const auto observations = observe_logs(options, config);
+  const TrunkDrives drives = observe_logs(options, config);
+  const auto& observations = drives.observations;
   calibration::TrunkModel model;
   try {
     model = calibration::estimate_trunk_model(observations, rules);
     if (options.colour_model != ColourChoice::kHueInterval) {
-      model = calibration::with_likely_trunks(observations, model, rules, config.detector.colour);
+      model = calibration::select_trunks(observations, model, rules);
     }
   } catch (const std::runtime_error& error) {
     throw io::FileError(options.log_paths.front() + ": " + error.what());
@@ -247,6 +249,12 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     }
   }
   if (const auto light = calibration::trunk_light(observations, model)) add_light(*light, values);
+  // Without a camera, what is a trunk was told from its width alone, which then says all.
+  if (model.has_hue || model.is_picked) {
+    const io::Config learnt = io::edited_config(options.config_path, values);
+    const auto more = learn_decision(drives, model, learnt, options.decision, options.quiet, note);
+    values.insert(values.end(), more.begin(), more.end());
+  }
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
   if (!options.quiet) std::printf("written to %s\n", out.c_str());

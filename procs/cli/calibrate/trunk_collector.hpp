@@ -22,6 +22,8 @@ class TrunkCollector : public bus::Node {
 
   /// All observations in order of time; in the map frame where poses around their time are known.
   std::vector<calibration::TrunkObservation> observations() const;
+  /// All poses of the log, in order of time.
+  const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
   int num_pairs() const { return num_pairs_; }
 
  private:

@@ -38,7 +38,7 @@ void write_picture(const std::string& path, const vision::PixelBlock& crop) {
 
 /// Formats an object; `format` has placeholders for its properties in this order.
 std::string row(const char* format, int number, const calibration::ObservedObject& t) {
-  return fmt::format(fmt::runtime(format), number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
+  return fmt::format(fmt::runtime(format), number, calibration::class_name(t), t.log + 1, t.x_m,
                      t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
 }
 

@@ -124,6 +124,26 @@ TEST_F(CalibrateProbability, WithoutIdsItLearnsTheCorrectedClasses) {
   EXPECT_NE(undone.output.find("nobody has corrected"), std::string::npos) << undone.output;
 }
 
+// Nobody names a tree: `calibrate trunks` finds them, learns width and colour, and from its own
+// trunks how much either says.
+TEST_F(CalibrateProbability, TrunksFoundByThemselvesTeachTheDecision) {
+  const std::string learn = "calibrate trunks " + at("learn.lcm") + rig();
+  const Outcome of_paper = run(learn + " --decision roc --out " + at("roc.yaml"));
+  ASSERT_EQ(of_paper.exit_code, 0) << of_paper.output;
+  EXPECT_EQ(io::load_config(at("roc.yaml")).detector.decision, detection::Decision::kRoc);
+  const Outcome found = run(learn + " --decision probability --out " + at("trunks.yaml"));
+  ASSERT_EQ(found.exit_code, 0) << found.output;
+  EXPECT_NE(found.output.find("(left-out objects)"), std::string::npos) << found.output;
+  const auto config = io::load_config(at("trunks.yaml"));
+  EXPECT_EQ(config.detector.decision, detection::Decision::kProbability);
+  EXPECT_TRUE(config.detector.probability.enabled);
+  simulate("judge", 42);
+  const double f1_of_paper = judged_f1("roc.yaml"), f1_found = judged_f1("trunks.yaml");
+  RecordProperty("f1_of_paper", std::to_string(f1_of_paper));
+  RecordProperty("f1_found", std::to_string(f1_found));
+  EXPECT_GT(f1_found, f1_of_paper);
+}
+
 TEST_F(CalibrateProbability, BadInputIsOneSentence) {
   const std::string map = " --map " + at("learn");
   expect_refused(map + " --ids 4,777777,888888", "no landmark has id 777777, 888888");

@@ -17,9 +17,9 @@ bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
          log_odds_of_tree(r.log_odds, r.num_observations, config) < kSurelyNone;
 }
 
-/// Whether a landmark is part of a clump whose extent it overlaps: two objects cannot
-/// stand in one place. What is certainly no tree already is where the borders touch; here it is
-/// enough that it is rather none, as for a detection.
+/// Whether a landmark is part of a clump whose extent it overlaps: two objects cannot stand in one
+/// place. What is certainly no tree already is where the borders touch; here it is enough that it
+/// is rather none, as for a detection.
 bool overlaps(const LandmarkRecord& r, const LandmarkRecord& clump, double distance_m,
               const MapperConfig& config) {
   return clump.is_clump && is_surely_no_tree(clump, config) &&

@@ -133,7 +133,7 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
   const Plane log_green = (green + kFloorLight).log();
   Planes planes;
   // Luma (ITU-R BT.601): JPEG codes it finer than any channel, and little of it is blue, which is
-  // noisy where the light has little blue. Equal weights made smooth things look like bark there.
+  // noisy where the light has little blue. By equal weights smooth things would look like bark.
   planes.brightness = (0.114f * blue + 0.587f * green + 0.299f * red + kFloorLight).log();
   planes.red = (red + kFloorLight).log() - log_green;
   planes.blue = (blue + kFloorLight).log() - log_green;

@@ -249,7 +249,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     }
   }
   if (const auto light = calibration::trunk_light(observations, model)) add_light(*light, values);
-  // Without a camera, what is a trunk was told from its width alone, which then says all.
+  // Without a camera, the trunks were chosen by their width alone: nothing tells how much it says.
   if (model.has_hue || model.is_picked) {
     const io::Config learnt = io::edited_config(options.config_path, values);
     const auto more = learn_decision(drives, model, learnt, options.decision, options.quiet, note);

@@ -34,9 +34,8 @@ struct CalibrateTrunksOptions {
 
 /// Measures the width (by range) and colour of the trunks in logs (the paper's initialisation), of
 /// either the selected trunks or the largest homogeneous population, and how much either says of an
-/// object. Writes them into a rig's YAML,
-/// keeping its comments and layout; returns the exit code. Throws io::FileError and
-/// io::ConfigError, and then writes nothing.
+/// object. Writes them into a rig's YAML, keeping its comments and layout; returns the exit code.
+/// Throws io::FileError and io::ConfigError, and then writes nothing.
 int run_calibrate_trunks(const CalibrateTrunksOptions& options);
 
 }  // namespace orchard::cli

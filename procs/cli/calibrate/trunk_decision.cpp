@@ -50,11 +50,11 @@ std::vector<io::ConfigValue> learn_decision(const TrunkDrives& drives,
         errors.roc, errors.probability, drives.log_paths.size() > 1 ? "drives" : "objects");
     if (!quiet) std::printf("%s\n", text.c_str());
     note += "; " + text;
-    if (choice == DecisionChoice::kAuto && errors.probability >= errors.roc) {
-      return {{"detector.decision", "roc"}};
-    }
+    const bool by_probability =
+        choice == DecisionChoice::kProbability || errors.probability < errors.roc;
+    // The weights are written in any case: earlier ones belong to another width and colour.
     std::vector<io::ConfigValue> values = probability_values(fit);
-    values.push_back({"detector.decision", "probability"});
+    values.push_back({"detector.decision", by_probability ? "probability" : "roc"});
     return values;
   } catch (const std::runtime_error& error) {
     if (choice == DecisionChoice::kProbability) {

@@ -27,9 +27,10 @@ struct TrunkDrives {
 
 /// Learns how much width and camera say in these drives (detector.probability), from the detections
 /// at the model's trunks and other objects by the rig `learnt`, which already has their width and
-/// colour. Returns the values of the decision chosen, and adds a sentence to `note`; none if there
-/// are too few detections and `choice` is kAuto. Throws io::FileError if kProbability cannot be
-/// learnt.
+/// colour. The colour model has seen all of these objects; what is left out is left out of the
+/// weights alone. Returns the weights and the decision chosen, and adds a sentence to `note`; none
+/// if there are too few detections and `choice` is kAuto; with kRoc the decision alone. Throws
+/// io::FileError if kProbability cannot be learnt.
 std::vector<io::ConfigValue> learn_decision(const TrunkDrives& drives,
                                             const calibration::TrunkModel& model, io::Config learnt,
                                             DecisionChoice choice, bool quiet, std::string& note);

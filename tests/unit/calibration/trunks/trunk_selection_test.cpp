@@ -45,6 +45,16 @@ std::vector<TrunkObservation> drive_past(const std::vector<Sort>& things) {
   return observations;
 }
 
+/// Checks the trunks by the sort of what stands there.
+template <class IsTrunk>
+void expect_trunks(const TrunkModel& model, const std::vector<Sort>& things,
+                   const IsTrunk& is_trunk) {
+  ASSERT_EQ(model.objects.size(), things.size());
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    EXPECT_EQ(model.objects[i].is_trunk, is_trunk(things[i])) << i;
+  }
+}
+
 TEST(TrunkSelection, LateTrunksAreAddedByTheirAppearanceAndPostsAreNot) {
   std::vector<Sort> things(16, Sort::kTrunk);
   things.insert(things.end(), 4, Sort::kCrate);
@@ -53,13 +63,8 @@ TEST(TrunkSelection, LateTrunksAreAddedByTheirAppearanceAndPostsAreNot) {
   const auto observations = drive_past(things);
   const TrunkModel first = estimate_trunk_model(observations, {});
   EXPECT_EQ(first.num_trunks, 16);
-  const TrunkModel all = select_trunks(observations, first, {});
-  EXPECT_EQ(all.num_trunks, 19);
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    EXPECT_EQ(all.objects.at(i).is_trunk,
-              things[i] == Sort::kTrunk || things[i] == Sort::kLateTrunk)
-        << i;
-  }
+  expect_trunks(select_trunks(observations, first, {}), things,
+                [](Sort sort) { return sort == Sort::kTrunk || sort == Sort::kLateTrunk; });
   // What a person picked stays as it is.
   TrunkModelOptions picked;
   picked.picked = {1, 2, 3, 4};
@@ -76,11 +81,8 @@ TEST(TrunkSelection, PostsAsWideAsTrunksAreLeftOutByTheirAppearance) {
   const auto observations = drive_past(things);
   const TrunkModel first = estimate_trunk_model(observations, {});
   EXPECT_EQ(first.num_trunks, 18);
-  const TrunkModel selected = select_trunks(observations, first, {});
-  EXPECT_EQ(selected.num_trunks, 16);
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    EXPECT_EQ(selected.objects.at(i).is_trunk, things[i] == Sort::kTrunk) << i;
-  }
+  expect_trunks(select_trunks(observations, first, {}), things,
+                [](Sort sort) { return sort == Sort::kTrunk; });
 }
 
 // Bark that looks like everything else says nothing: the choice by width stays.
@@ -89,10 +91,8 @@ TEST(TrunkSelection, LooksThatSeparateNothingChangeNothing) {
   things.insert(things.end(), 6, Sort::kCrate);
   const auto observations = drive_past(things);
   const TrunkModel first = estimate_trunk_model(observations, {});
-  const TrunkModel selected = select_trunks(observations, first, {});
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    EXPECT_EQ(selected.objects.at(i).is_trunk, things[i] == Sort::kPost) << i;
-  }
+  expect_trunks(select_trunks(observations, first, {}), things,
+                [](Sort sort) { return sort == Sort::kPost; });
 }
 
 }  // namespace

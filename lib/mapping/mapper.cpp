@@ -70,16 +70,6 @@ bool is_seen_often(const MapState& map, const LandmarkRecord& r, int min_observa
   return num_judged >= min_observations;
 }
 
-/// Creates a GroundOccupancy that refers to `scans`, which must outlive it.
-std::shared_ptr<GroundOccupancy> ground_occupancy_of(const ObservationStore& scans) {
-  auto ground = std::make_shared<GroundOccupancy>(
-      [&scans](std::int32_t scan) { return scans.free_space(scan); });
-  for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
-    ground->add_scan(scan, scans.pose(scan));
-  }
-  return ground;
-}
-
 }  // namespace
 
 struct Mapper::Impl {
@@ -211,22 +201,20 @@ MapUpdate Mapper::rebuild(
   return update;
 }
 
-std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
-  const auto ground = ground_occupancy_of(impl_->map.observations);
-  return [ground](const Eigen::Vector2d& p_map) { return ground->is_free(p_map); };
+std::shared_ptr<GroundOccupancy> Mapper::ground() const {
+  const ObservationStore& scans = impl_->map.observations;
+  auto ground = std::make_shared<GroundOccupancy>(
+      [&scans](std::int32_t scan) { return scans.free_space(scan); });
+  for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
+    ground->add_scan(scan, scans.pose(scan));
+  }
+  return ground;
 }
 
-PassageTest Mapper::seen_passage() const {
-  const auto ground = ground_occupancy_of(impl_->map.observations);
-  return
-      [ground](const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
-               double clear_m) { return ground->passage(from_map, to_map, half_depth_m, clear_m); };
-}
-
-std::vector<std::int32_t> Mapper::spurious_ids() const {
+std::vector<std::int32_t> Mapper::spurious_ids(GroundOccupancy& ground) const {
   const MapState& map = impl_->map;
   if (!map.config.existence.enabled) return {};
-  std::vector<std::int32_t> ids = spurious_landmarks(map, *ground_occupancy_of(map.observations));
+  std::vector<std::int32_t> ids = spurious_landmarks(map, ground);
   for (std::int32_t& id : ids) ++id;
   return ids;
 }

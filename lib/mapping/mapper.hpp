@@ -9,7 +9,7 @@
 
 #include "detection/detection.hpp"
 #include "mapping/existence/free_space.hpp"
-#include "mapping/extent/long_objects.hpp"
+#include "mapping/existence/ground_occupancy.hpp"
 #include "mapping/label_conflicts.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"
@@ -56,16 +56,13 @@ class Mapper {
   MapUpdate rebuild(
       const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
 
-  /// Returns a test whether a map position was observed free or driven over, using the current
-  /// poses. The test refers to this mapper: use it only during the mapper's lifetime and before the
-  /// next update().
-  std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
-
-  /// Returns a test whether beams pass between two positions; same validity as seen_free().
-  PassageTest seen_passage() const;
+  /// Free and blocked ground by the scans, with the current poses. It refers to this mapper: use it
+  /// only during the mapper's lifetime and before the next update().
+  std::shared_ptr<GroundOccupancy> ground() const;
 
   /// Ids of landmarks that never existed, judged by all scans (existence/spurious_landmarks.hpp).
-  std::vector<std::int32_t> spurious_ids() const;
+  /// `ground`: that of this mapper.
+  std::vector<std::int32_t> spurious_ids(GroundOccupancy& ground) const;
 
   /// Ids of those `landmarks` (of this map) that are legs of people (existence/leg_pairs.hpp).
   std::vector<std::int32_t> leg_ids(const std::vector<Landmark>& landmarks,

@@ -2,6 +2,7 @@
 #include "view/live_map.hpp"
 
 #include <set>
+#include <utility>
 
 #include "view/map_data.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 /// Most tiles of the slow refresh contain no change.
 bool is_same(const Landmark& a, const Landmark& b) {
   return a.id == b.id && a.label == b.label && a.num_observations == b.num_observations &&
-         a.x_m == b.x_m && a.y_m == b.y_m && a.width_m == b.width_m &&
+         a.x_m == b.x_m && a.y_m == b.y_m && a.width_m == b.width_m && a.length_m == b.length_m &&
          a.probability == b.probability && a.row == b.row && a.position == b.position;
 }
 
@@ -42,10 +43,17 @@ void LiveMap::remove(std::int32_t id) {
 }
 
 void LiveMap::take(const mapping::MapTile& tile) {
+  const bool is_finished = tile.utime == finished_utime_;
   for (const Landmark& landmark : tile.landmarks) {
-    if (landmark.num_observations < min_observations_) continue;
+    if (!is_finished && landmark.num_observations < min_observations_) continue;
     Landmark now = landmark;
-    if (now.row == 0) {
+    if (is_finished) {
+      for (const mapping::LongObject& object : long_objects_) {
+        if (object.id != now.id) continue;
+        now.length_m = object.length_m;
+        now.direction_rad = object.direction_rad;
+      }
+    } else if (now.row == 0) {
       const Landmark& before = entries_[landmark.id].landmark;
       now.row = before.row;
       now.position = before.position;
@@ -53,6 +61,11 @@ void LiveMap::take(const mapping::MapTile& tile) {
     put(now);
   }
   for (const std::int32_t id : tile.removed_ids) remove(id);
+}
+
+void LiveMap::finish(std::int64_t utime, std::vector<mapping::LongObject> long_objects) {
+  finished_utime_ = utime;
+  long_objects_ = std::move(long_objects);
 }
 
 void LiveMap::show(const std::vector<Landmark>& landmarks) {

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mapping/finish/map_ways.hpp"
 #include "mapping/landmark.hpp"
 
 namespace orchard::view {
@@ -20,11 +22,15 @@ class LiveMap {
 
   void take(const mapping::MapTile& tile);
 
+  /// The tiles of this time are the finished map: their numbers hold, even none, and no landmark
+  /// has too few observations. Long objects get their extents. Later tiles are again as before.
+  void finish(std::int64_t utime, std::vector<mapping::LongObject> long_objects);
+
   /// Shows exactly these landmarks from now on, regardless of `min_observations`, and removes the
   /// others.
   void show(const std::vector<mapping::Landmark>& landmarks);
 
-  /// Sets rows and positions as numbered by find_rows(); tiles contain them only at the end.
+  /// Sets rows and positions found so far; tiles contain them only when the map is finished.
   void number(const std::vector<mapping::Landmark>& numbered);
 
   /// Changes since a revision.
@@ -53,6 +59,8 @@ class LiveMap {
   void touch(std::int32_t id, Entry& entry);
 
   int min_observations_;
+  std::optional<std::int64_t> finished_utime_;  ///< of the tiles of the finished map
+  std::vector<mapping::LongObject> long_objects_;
   std::map<std::int32_t, Entry> entries_;                ///< by id
   std::map<std::int64_t, std::int32_t> id_of_revision_;  ///< latest revision of each id
   std::int64_t revision_ = 0;

@@ -61,6 +61,19 @@ void LiveState::show(const vision::Image& image) {
   ++num_observations_;
 }
 
+void LiveState::take(const mapping::MapTile& tile) {
+  if (tile.utime > ways_utime_) ways_ = nullptr;  // the map grows again
+  map_.take(tile);
+}
+
+void LiveState::take(const mapping::MapWays& part) {
+  auto whole = ways_collector_.add(part);
+  if (!whole) return;
+  ways_utime_ = whole->utime;
+  ways_ = std::make_shared<mapping::NavigationGraph>(std::move(whole->graph));
+  map_.finish(whole->utime, std::move(whole->long_objects));
+}
+
 void LiveState::take_rows(const std::vector<mapping::Landmark>& numbered,
                           std::string rows_and_ways) {
   map_.number(numbered);

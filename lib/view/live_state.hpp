@@ -44,10 +44,13 @@ class LiveState {
   void take(const detection::Detections& detections);
   void take(const pose::PoseEstimate& pose);
   void take(const pose::TrajectoryPage& page) { path_.take(page); }
-  void take(const mapping::MapTile& tile) { map_.take(tile); }
+  void take(const mapping::MapTile& tile);
+  void take(const mapping::MapWays& part);
 
-  /// Sets the result of find_rows() for landmarks(): the numbered landmarks and the output of
-  /// rows_and_ways_json().
+  /// The ways of the finished map; null while the map grows.
+  std::shared_ptr<const mapping::NavigationGraph> ways() const { return ways_; }
+
+  /// Sets the numbered landmarks and the output of rows_and_ways_json().
   void take_rows(const std::vector<mapping::Landmark>& numbered, std::string rows_and_ways);
 
   /// Shows the manually corrected map instead of MAP from now on; `event` is a complete event of
@@ -75,6 +78,9 @@ class LiveState {
   detection::Rig rig_;
   LiveMap map_;
   std::optional<LiveMap> corrected_;  ///< shown instead of map_ once there are corrections
+  mapping::MapWaysCollector ways_collector_;
+  std::shared_ptr<const mapping::NavigationGraph> ways_;
+  std::int64_t ways_utime_ = 0;
   LivePath path_;
   std::int64_t num_poses_ = 0, num_scans_ = 0, num_observations_ = 0, num_rows_ = 0,
                num_status_ = 0, num_corrections_ = 0;

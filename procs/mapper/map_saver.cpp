@@ -3,9 +3,7 @@
 
 #include <malloc.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <tuple>
 #include <utility>
 
 #include "bus/node/process_options.hpp"
@@ -20,8 +18,8 @@ namespace {
 /// over 0.1 s, during which the node waits; these are drawn at the end.
 constexpr std::size_t kDrawnLiveMax = 3000;
 
-/// One more save between two numberings per this many landmarks.
-constexpr std::size_t kNumberedEachSave = 1000;
+/// One save of map.csv is passed over per this many landmarks: finishing a large map takes long.
+constexpr std::size_t kSavedEachTime = 1000;
 
 }  // namespace
 
@@ -32,7 +30,9 @@ void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   const bool quick =
       request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMax;
   if (live && quick && !saved_table_.empty()) {
-    save_table(numbered_landmarks(mapper));
+    if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return;
+    num_passed_over_ = 0;
+    save_table(mapper.finished().landmarks);
   } else {
     save_folder(mapper, request.traffic);
   }
@@ -40,10 +40,7 @@ void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
 
 void MapSaver::begin_new_map() {
   saved_table_.clear();
-  numbers_.clear();
-  long_.clear();
-  parts_.clear();
-  saves_until_numbering_ = 0;
+  num_passed_over_ = 0;
 }
 
 void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
@@ -51,40 +48,6 @@ void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
   if (table == saved_table_) return;
   io::write_file_atomically((std::filesystem::path(folder_) / "map.csv").string(), table);
   saved_table_ = std::move(table);
-}
-
-/// Finding rows takes long in a large map: there, the last numbers are reused for some saves.
-std::vector<mapping::Landmark> MapSaver::numbered_landmarks(const MapperNode& mapper) {
-  if (--saves_until_numbering_ > 0) {
-    std::vector<mapping::Landmark> landmarks = mapper.landmarks();
-    const auto is_part = [&](const mapping::Landmark& l) { return parts_.count(l.id) > 0; };
-    landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(), is_part), landmarks.end());
-    landmarks.insert(landmarks.end(), long_.begin(), long_.end());
-    std::sort(landmarks.begin(), landmarks.end(),
-              [](const auto& a, const auto& b) { return a.id < b.id; });
-    for (mapping::Landmark& l : landmarks) {
-      if (static_cast<std::size_t>(l.id) >= numbers_.size()) continue;
-      std::tie(l.row, l.position) = numbers_[static_cast<std::size_t>(l.id)];
-    }
-    return landmarks;
-  }
-  std::vector<mapping::Landmark> landmarks = mapper.numbered_landmarks();
-  parts_.clear();
-  long_.clear();
-  for (const mapping::Landmark& l : mapper.landmarks()) parts_.insert(l.id);
-  for (const mapping::Landmark& l : landmarks) {
-    if (l.length_m == 0.0) parts_.erase(l.id);
-    if (l.length_m > 0.0) long_.push_back(l);
-  }
-  saves_until_numbering_ = 1 + static_cast<int>(landmarks.size() / kNumberedEachSave);
-  numbers_.clear();
-  for (const mapping::Landmark& l : landmarks) {
-    if (static_cast<std::size_t>(l.id) >= numbers_.size()) {
-      numbers_.resize(static_cast<std::size_t>(l.id) + 1);
-    }
-    numbers_[static_cast<std::size_t>(l.id)] = {l.row, l.position};
-  }
-  return landmarks;
 }
 
 void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bus/node/process.hpp"
@@ -12,8 +11,8 @@
 
 namespace orchard::procs {
 
-/// Writes the files of a mapper process: map.csv whenever the map has changed, the whole folder
-/// when there is time and at the end.
+/// Writes the files of a mapper process, always of the finished map: map.csv when the map has
+/// changed, of a large map less often, and the whole folder when there is time and at the end.
 class MapSaver {
  public:
   /// With an empty `folder` nothing is saved.
@@ -33,19 +32,12 @@ class MapSaver {
  private:
   void save_table(const std::vector<mapping::Landmark>& landmarks);
   void save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic);
-  std::vector<mapping::Landmark> numbered_landmarks(const MapperNode& mapper);
 
   std::string folder_;
   std::int64_t config_hash_;
   std::vector<std::string> notes_;
-  std::string saved_table_;  ///< content of map.csv in the folder; empty: unknown
-  /// (row, position) by landmark id, of the rows found last.
-  std::vector<std::pair<std::int32_t, std::int32_t>> numbers_;
-  /// The long objects last joined by numbered_landmarks(), and the ids of the landmarks that they
-  /// replace.
-  std::vector<mapping::Landmark> long_;
-  std::set<std::int32_t> parts_;
-  int saves_until_numbering_ = 0;
+  std::string saved_table_;          ///< content of map.csv in the folder; empty: unknown
+  std::size_t num_passed_over_ = 0;  ///< saves of map.csv since the last
 };
 
 }  // namespace orchard::procs

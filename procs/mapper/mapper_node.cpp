@@ -12,7 +12,6 @@
 #include "geometry/pose2.hpp"
 #include "mapping/deskew.hpp"
 #include "mapping/pose_composition.hpp"
-#include "mapping/rows/rows.hpp"
 #include "pose/filter/gnss_alignment.hpp"
 #include "timing/units.hpp"
 
@@ -111,6 +110,7 @@ bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   is_flushed_ = false;
+  finished_.reset();
   const std::int64_t utime = bus::utime_of(input);
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
     track_.add(*pose);
@@ -275,13 +275,18 @@ void MapperNode::flush(const bus::Outbox& send) {
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
   if (moved_m_ > 0.0) rebuild_map(send);
   album_.flush();
-  // Send the whole map once more, so that a recorded log ends with it.
+  finished_.reset();
+  // The last tiles are the finished map, so that a recorded log ends with it.
   if (has_readers_ && mapper_.num_landmarks() > 0) {
-    std::vector<mapping::Landmark> all = mapper_.landmarks();
-    if (config_.rows.enabled) {
-      mapping::number_landmarks(numbered(standing_landmarks()).rows, all);
+    const mapping::FinishedMap& map = finished();
+    std::vector<std::int32_t> omitted_ids;
+    for (const mapping::OmittedLandmark& l : map.omitted) omitted_ids.push_back(l.id);
+    for (mapping::MapWays& part : mapping::map_ways_of(map, last_used_utime_.value_or(0))) {
+      part.seq = next_ways_seq_++;
+      send(std::move(part));
     }
-    send_tiles(last_used_utime_.value_or(0), std::move(all), {}, send);
+    send_tiles(last_used_utime_.value_or(0), map.landmarks, map.landmarks.size(), omitted_ids,
+               send);
   }
 }
 
@@ -308,7 +313,7 @@ void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32
   std::vector<mapping::Landmark> landmarks;
   landmarks.reserve(ids.size());
   for (const std::int32_t id : ids) landmarks.push_back(mapper_.landmark(id));
-  send_tiles(utime, std::move(landmarks), removed_ids, send);
+  send_tiles(utime, landmarks, mapper_.num_landmarks(), removed_ids, send);
 }
 
 std::optional<geometry::Georeference> MapperNode::georeference() const {
@@ -399,15 +404,16 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   return ids;
 }
 
-void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
-                            const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send) {
+void MapperNode::send_tiles(std::int64_t utime, const std::vector<mapping::Landmark>& landmarks,
+                            std::size_t num_total, const std::vector<std::int32_t>& removed_ids,
+                            const bus::Outbox& send) {
   std::size_t landmark = 0;
   std::size_t removed = 0;
   do {
     mapping::MapTile tile;
     tile.utime = utime;
     tile.seq = next_seq_++;
-    tile.num_landmarks_total = static_cast<std::int32_t>(mapper_.num_landmarks());
+    tile.num_landmarks_total = static_cast<std::int32_t>(num_total);
     for (; landmark < landmarks.size() && tile.landmarks.size() < kLandmarksPerTile; ++landmark) {
       tile.landmarks.push_back(landmarks[landmark]);
     }

@@ -14,9 +14,10 @@
 #include "mapper/beam_times.hpp"
 #include "mapper/degradation.hpp"
 #include "mapping/album/album.hpp"
+#include "mapping/finish/finish.hpp"
+#include "mapping/finish/map_ways.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
-#include "mapping/rows/rows.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/trajectory.hpp"
 #include "timing/ordered_queue.hpp"
@@ -59,19 +60,23 @@ class MapperNode : public bus::Node {
   std::string waiting_for() const override;
   std::string warning() const override;
 
-  /// Content of the map's files: landmarks with at least mapper.min_observations, numbered by their
-  /// rows, and all POSE.
+  /// Content of the map's files: the finished map, and all POSE.
   io::MapFolderContent content(const io::MapSummary& summary) const;
 
-  /// The landmarks with at least mapper.min_observations, in order of id. Not numbered, since rows
-  /// are found over the whole map.
+  /// The landmarks with at least mapper.min_observations, in order of id: not yet finished.
   std::vector<mapping::Landmark> landmarks() const {
     return mapper_.landmarks(config_.min_observations);
   }
 
-  /// The landmarks of map.csv: numbered by their rows, legs of people left out, and long objects
-  /// joined.
-  std::vector<mapping::Landmark> numbered_landmarks() const;
+  /// The finished map of the inputs so far: what every file shows, and MAP after the flush. Kept
+  /// until the next input.
+  const mapping::FinishedMap& finished() const;
+
+  /// The ways of the map with other numbers, on ground that the scans saw free.
+  mapping::NavigationGraph ways_of(const std::vector<mapping::Landmark>& landmarks,
+                                   const std::vector<mapping::Row>& rows) const {
+    return mapping::navigation_graph_of(landmarks, rows, *mapper_.ground());
+  }
 
   /// True if the beams of a SCAN of this time are kept for its DETECTIONS; of other SCANs only the
   /// time is used.
@@ -103,15 +108,6 @@ class MapperNode : public bus::Node {
   using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
   static Queue::Rules rules_of(const mapping::MapperConfig& config);
 
-  std::vector<mapping::Landmark> standing_landmarks() const;
-  std::size_t drop_legs(std::vector<mapping::Landmark>& landmarks) const;
-  struct Numbered {
-    std::vector<mapping::Landmark> landmarks;
-    std::vector<mapping::Row> rows;
-    std::size_t num_legs = 0;  ///< left out
-  };
-  Numbered numbered(const std::vector<mapping::Landmark>& standing) const;
-  void join_long(std::vector<mapping::Landmark>& landmarks) const;
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
@@ -130,8 +126,9 @@ class MapperNode : public bus::Node {
                                                           const pose::PoseEstimate& T_map_base);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
            std::shared_ptr<const mapping::FreeSpace> free_space, const bus::Outbox& send);
-  void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
-                  const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
+  void send_tiles(std::int64_t utime, const std::vector<mapping::Landmark>& landmarks,
+                  std::size_t num_total, const std::vector<std::int32_t>& removed_ids,
+                  const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
   void photograph(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
 
@@ -157,14 +154,16 @@ class MapperNode : public bus::Node {
   /// drive, so it is repeated only after growth by an eighth.
   mutable std::string label_conflicts_text_;
   mutable std::size_t num_voted_ = 0;
-  std::int32_t last_id_ = 0;  ///< highest landmark id so far
+  mutable std::optional<mapping::FinishedMap> finished_;  ///< of the inputs so far
+  std::int32_t last_id_ = 0;                              ///< highest landmark id so far
   bool is_flushed_ = false;
   bool has_readers_ = true;  ///< of MAP
   pose::TrajectoryCollector collector_;
   double moved_m_ = 0.0;         ///< motion by corrections since the last rebuild
   std::size_t num_rebuilt_ = 0;  ///< number of observations at the last rebuild
   std::optional<std::int64_t> last_used_utime_;
-  std::int32_t next_seq_ = 0;
+  std::int32_t next_seq_ = 0;       ///< of MAP
+  std::int32_t next_ways_seq_ = 0;  ///< of MAP_WAYS
   std::int32_t refresh_from_id_ = 1;
   std::int64_t last_refresh_utime_ = 0;
   bus::NodeCounts counts_;

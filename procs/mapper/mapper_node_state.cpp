@@ -52,7 +52,8 @@ void MapperNode::persist(StateArchive& archive) {
   if (datum) gnss_.set_datum(*datum);
   archive(fixes_, mapper_, track_, collector_, degradation_, beam_times_, last_kept_scan_utime_,
           has_pose_caught_up_, is_scan_missing_, last_id_, is_flushed_, moved_m_, num_rebuilt_,
-          last_used_utime_, next_seq_, refresh_from_id_, last_refresh_utime_, counts_, album_);
+          last_used_utime_, next_seq_, next_ways_seq_, refresh_from_id_, last_refresh_utime_,
+          counts_, album_);
 }
 
 }  // namespace orchard::procs

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
+#include <utility>
 
 #include "mapping/rows/navigation_graph.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 #include "mapping/rows/rows.hpp"
 #include "view/map_data.hpp"
 
@@ -31,6 +34,7 @@ RowSurvey::~RowSurvey() {
 
 void RowSurvey::run() {
   std::int64_t surveyed = 0;
+  std::shared_ptr<const mapping::NavigationGraph> surveyed_ways;
   Clock::duration rest = kPeriodMin;
   std::unique_lock<std::mutex> lock(mutex_);
   while (!wake_.wait_for(lock, rest, [this] { return is_stopping_; })) {
@@ -39,15 +43,19 @@ void RowSurvey::run() {
     std::optional<std::vector<mapping::Correction>> others;
     if (editor_ != nullptr) others = editor_->if_changed();
     if (others) corrections_ = std::move(*others);
-    if (revision == surveyed && !others) continue;
+    const std::shared_ptr<const mapping::NavigationGraph> ways = box_.ways();
+    if (revision == surveyed && ways == surveyed_ways && !others) continue;
+    surveyed_ways = ways;
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     std::vector<mapping::Landmark> landmarks = box_.landmarks();
     std::vector<mapping::Row> rows;
-    if (config_.enabled) {
-      rows = mapping::find_rows(landmarks, config_);
-      mapping::number_landmarks(rows, landmarks);
+    mapping::NavigationGraph graph;  // of the finished map only: MAP does not tell of free ground
+    if (ways != nullptr) graph = *ways;
+    if (config_.enabled && ways == nullptr) {
+      mapping::number_landmarks(mapping::find_rows(landmarks, config_), landmarks);
     }
+    rows = mapping::numbered_rows(landmarks);
     const std::vector<mapping::Landmark> numbered = landmarks;
     // Include corrections made during the search: otherwise the page would lose them until the next
     // one.
@@ -57,13 +65,13 @@ void RowSurvey::run() {
     if (!corrections_.empty()) {
       io::StoredMap mapped;
       mapped.landmarks = std::move(landmarks);
+      mapped.graph = std::move(graph);
       io::CorrectedMapFolder corrected = io::corrected_map_of(std::move(mapped), corrections_);
       box_.take_corrected(corrected.corrected.landmarks, corrections_event(corrected));
-      landmarks = std::move(corrected.corrected.landmarks);
       rows = std::move(corrected.rows);
+      graph = std::move(corrected.graph);
     }
-    const std::int64_t num_own = box_.take_rows(
-        numbered, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
+    const std::int64_t num_own = box_.take_rows(numbered, view::rows_and_ways_json(rows, graph));
     surveyed = revision + num_own;  // counts own changes as surveyed, concurrent ones not
     rest = std::max<Clock::duration>(kPeriodMin, kRestPerWork * (Clock::now() - begin));
     lock.lock();

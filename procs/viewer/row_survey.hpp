@@ -11,9 +11,9 @@
 
 namespace orchard::procs {
 
-/// Finds the rows of the growing map periodically in its own thread: in a large map this takes
-/// seconds, and only the final map has row numbers. Applies the corrections made on the page or
-/// elsewhere to the map.
+/// Shows rows periodically, from its own thread: in a large map finding them takes seconds. While
+/// the map grows they are found in what MAP holds so far, without ways; the numbers and ways of the
+/// finished map are taken as they are. Applies the corrections made on the page or elsewhere.
 class RowSurvey {
  public:
   /// `editor`: editor of the map's folder; null: no corrections.

@@ -53,6 +53,10 @@ class SharedLiveState {
     const std::lock_guard<std::mutex> lock(mutex_);
     return state_.map_revision();
   }
+  std::shared_ptr<const mapping::NavigationGraph> ways() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.ways();
+  }
   std::vector<mapping::Landmark> landmarks() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return state_.landmarks();

@@ -16,8 +16,8 @@ ViewerNode::ViewerNode(SharedLiveState& box, bool has_camera, std::string folder
 
 std::vector<bus::Channel> ViewerNode::inputs() const {
   using bus::Channel;
-  std::vector<Channel> inputs{Channel::kScan, Channel::kDetections, Channel::kPose,
-                              Channel::kTrajectory, Channel::kMap};
+  std::vector<Channel> inputs{Channel::kScan,       Channel::kDetections, Channel::kPose,
+                              Channel::kTrajectory, Channel::kMap,        Channel::kMapWays};
   if (has_camera_) inputs.push_back(Channel::kImage);
   return inputs;
 }
@@ -29,6 +29,7 @@ void ViewerNode::handle(const bus::Message& input, const bus::Outbox&) {
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) box_.take(*pose);
   if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) box_.take(*page);
   if (const auto* tile = std::get_if<mapping::MapTile>(&input)) box_.take(*tile);
+  if (const auto* ways = std::get_if<mapping::MapWays>(&input)) box_.take(*ways);
 }
 
 void ViewerNode::handle_status(const bus::Status& status) {

@@ -27,9 +27,10 @@ enum class Channel : std::int8_t {
   kImu = 13,
   kTrajectory = 14,
   kScanRear = 15,
+  kMapWays = 16,
 };
 
-inline constexpr std::size_t kNumChannels = 16;
+inline constexpr std::size_t kNumChannels = 17;
 
 /// Purpose of a channel, which decides how a replay treats it.
 enum class Role {
@@ -63,6 +64,7 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kImu, "IMU", "imu_t", Role::kSource},
     {Channel::kTrajectory, "TRAJECTORY", "trajectory_t", Role::kDerived},
     {Channel::kScanRear, "SCAN.rear", "scan_t", Role::kSource},
+    {Channel::kMapWays, "MAP_WAYS", "map_ways_t", Role::kDerived},
 }};
 
 constexpr const ChannelInfo& info(Channel channel) {

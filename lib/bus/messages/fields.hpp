@@ -8,6 +8,7 @@
 #include "detection/adaptation/adaptation_fields.hpp"
 #include "detection/detection_fields.hpp"
 #include "laser/scan_fields.hpp"
+#include "mapping/finish/map_ways_fields.hpp"
 #include "mapping/landmark_fields.hpp"
 #include "pose/measurement_fields.hpp"
 #include "pose/pose_fields.hpp"

@@ -8,6 +8,7 @@
 #include "detection/adaptation/adaptation_step.hpp"
 #include "detection/detection.hpp"
 #include "laser/scan.hpp"
+#include "mapping/finish/map_ways.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/measurements.hpp"
 #include "pose/pose_estimate.hpp"
@@ -17,10 +18,10 @@
 namespace orchard::bus {
 
 /// A message that a node reads or writes. The type held determines the channel.
-using Message =
-    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
-                 pose::PoseEstimate, detection::Detections, mapping::MapTile,
-                 detection::AdaptationStep, pose::Imu, pose::TrajectoryPage, laser::RearScan>;
+using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
+                             pose::PoseEstimate, detection::Detections, mapping::MapTile,
+                             detection::AdaptationStep, pose::Imu, pose::TrajectoryPage,
+                             laser::RearScan, mapping::MapWays>;
 
 /// Channel of the alternative with this index in Message. The alternatives are in the order of
 /// Channel, without the service channels.

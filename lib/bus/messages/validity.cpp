@@ -76,6 +76,14 @@ void check(FieldCheck& c, const pose::TrajectoryPage& page) {
   }
 }
 
+void check(FieldCheck& c, const mapping::MapWays& ways) {
+  c.field("part", ways.part, 0, std::int64_t{ways.num_parts} - 1);
+  std::int64_t num_points = 0;
+  for (const mapping::Way& way : ways.ways) num_points += way.num_points;
+  c.require(num_points == static_cast<std::int64_t>(ways.points.size()), Reason::kInconsistent,
+            "num_points is not the sum of the ways' points");
+}
+
 }  // namespace
 
 std::optional<Rejection> check_consistency(const Message& message) {

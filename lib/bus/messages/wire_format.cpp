@@ -13,6 +13,7 @@
 #include "orchard/image_t.hpp"
 #include "orchard/imu_t.hpp"
 #include "orchard/map_tile_t.hpp"
+#include "orchard/map_ways_t.hpp"
 #include "orchard/odometry_t.hpp"
 #include "orchard/pose_fix_t.hpp"
 #include "orchard/pose_t.hpp"
@@ -51,6 +52,7 @@ const WireFormat& format_of(Channel channel) {
       {imu_t::getHash(), kKiB},
       {trajectory_t::getHash(), 64 * kKiB},
       {scan_t::getHash(), kMiB},
+      {map_ways_t::getHash(), kMiB},
   }};
   return formats[static_cast<std::size_t>(channel)];
 }

@@ -2,12 +2,21 @@
 #include "io/map/corrected_map.hpp"
 
 #include <filesystem>
+#include <map>
 #include <utility>
 
 #include "io/map/corrections_file.hpp"
-#include "mapping/rows/number_keeping.hpp"
+#include "mapping/rows/navigation_graph.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::io {
+namespace {
+
+bool has_moved(const mapping::Landmark& before, const mapping::Landmark& now) {
+  return before.x_m != now.x_m || before.y_m != now.y_m;
+}
+
+}  // namespace
 
 CorrectedMapFolder corrected_map_of(StoredMap mapped,
                                     std::vector<mapping::Correction> corrections) {
@@ -16,7 +25,23 @@ CorrectedMapFolder corrected_map_of(StoredMap mapped,
   folder.corrections = std::move(corrections);
   folder.corrected = mapping::apply_corrections(folder.mapped.landmarks, folder.mapped.next_id,
                                                 folder.corrections);
-  folder.rows = mapping::rows_as_numbered(folder.corrected.landmarks, mapping::RowsConfig{});
+  std::map<std::int32_t, const mapping::Landmark*> as_mapped;
+  for (const mapping::Landmark& l : folder.mapped.landmarks) as_mapped[l.id] = &l;
+  const auto was = [&](const mapping::Landmark& l) {
+    const auto found = as_mapped.find(l.id);
+    return found == as_mapped.end() ? nullptr : found->second;
+  };
+  mapping::number_added_trees(folder.corrected.landmarks, [&](const mapping::Landmark& l) {
+    const mapping::Landmark* before = was(l);
+    return before == nullptr || before->label != l.label || has_moved(*before, l);
+  });
+  folder.rows = mapping::numbered_rows(folder.corrected.landmarks);
+  std::vector<mapping::Landmark> obstacles;
+  for (const mapping::Landmark& l : folder.corrected.landmarks) {
+    const mapping::Landmark* before = was(l);
+    if (before == nullptr || has_moved(*before, l)) obstacles.push_back(l);
+  }
+  folder.graph = mapping::narrowed(folder.mapped.graph, obstacles);
   return folder;
 }
 

@@ -17,10 +17,13 @@ struct CorrectedMapFolder {
   std::size_t num_unfinished_bytes = 0;  ///< as in StoredCorrections
   mapping::CorrectedMap corrected;  ///< equal to the map of the run if there are no corrections
   std::vector<mapping::Row> rows;   ///< of the corrected map; empty without row numbers
+  mapping::NavigationGraph graph;   ///< of the corrected map
 };
 
-/// Reads a map folder (or a map.csv alone) and applies its corrections, unless `as_mapped`. A
-/// landmark added by hand within a row gets this row and its position number. Throws FileError.
+/// Reads a map folder (or a map.csv alone) and applies its corrections, unless `as_mapped`.
+///
+/// A correction changes what it touches: a tree added within a row gets this row and its position
+/// number, and ways become narrower beside what was added or moved. Throws FileError.
 CorrectedMapFolder read_corrected_map(const std::string& folder_or_csv, bool as_mapped = false);
 
 /// The same with a given list of corrections instead of the file's.

@@ -11,4 +11,8 @@ namespace orchard::io {
 /// length, free width and line, in metres of the map frame.
 std::string graph_json(const mapping::NavigationGraph& graph);
 
+/// Reads a graph.json. Throws FileError naming the file and the first entry that is not as
+/// graph_json() writes it.
+mapping::NavigationGraph read_graph_json(const std::string& path);
+
 }  // namespace orchard::io

@@ -17,7 +17,6 @@
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/album/choose_photographs.hpp"
-#include "mapping/rows/navigation_graph.hpp"
 #include "text/date_text.hpp"
 
 namespace orchard::io {
@@ -36,10 +35,9 @@ MapHeading heading_of(const MapFolderContent& content) {
 void write_map_folder(const std::string& folder, const MapFolderContent& content) {
   make_folder(folder, "choose another folder for the map");
   const std::filesystem::path path(folder);
-  const mapping::NavigationGraph graph =
-      mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
-  const auto figure = [&content, &graph, heading = heading_of(content)](FigureFormat format) {
-    return map_figure(content.landmarks, content.trajectory, content.rows, graph, format, heading);
+  const auto figure = [&content, heading = heading_of(content)](FigureFormat format) {
+    return map_figure(content.landmarks, content.trajectory, content.rows, content.graph, format,
+                      heading);
   };
   const std::vector<mapping::AlbumEntry> album =
       mapping::choose_photographs(content.landmarks, content.photographs, content.album_bytes_max);
@@ -56,14 +54,14 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
     layers.trajectories.push_back(&trajectory);
   }
   layers.rows = &content.rows;
-  layers.graph = &graph;
+  layers.graph = &content.graph;
   layers.georeference = &content.georeference;
   layers.photos = photos;
   files.write((path / "map.gpkg").string(), map_geopackage(layers));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
-  view::MapData page = page_data(content, graph, album);
+  view::MapData page = page_data(content, album);
   std::optional<view::MapTiles> tiles;
   if (content.landmarks.size() > view::kWholePage_landmarks) {
     page.photographs.clear();
@@ -78,7 +76,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                 trajectory_csv_pieces(content.more_trajectories[k]));
   }
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
-  files.write((path / "graph.json").string(), graph_json(graph));
+  files.write((path / "graph.json").string(), graph_json(content.graph));
   files.write((path / "summary.json").string(), summary_json(content));
   // If the disk is full, every other file remains unchanged.
   write_album(folder, album);

@@ -12,7 +12,7 @@
 #include "mapping/album/photograph.hpp"
 #include "mapping/compare/visibility_grid.hpp"
 #include "mapping/landmark.hpp"
-#include "mapping/rows/free_corridor.hpp"
+#include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -43,7 +43,8 @@ struct MapFolderContent {
   std::vector<mapping::Landmark> landmarks;    ///< in order of id
   std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
   MapSummary summary;
-  std::vector<mapping::Row> rows;  ///< in order of number
+  std::vector<mapping::Row> rows;              ///< in order of number
+  mapping::NavigationGraph graph{};            ///< aisles and headland paths
   /// For a map of several drives: the paths of the second and later ones.
   std::vector<std::vector<pose::PoseEstimate>> more_trajectories{};
   std::optional<geometry::Georeference> georeference{};
@@ -51,8 +52,6 @@ struct MapFolderContent {
   std::string ids_csv{};                      ///< ids.csv of a merged map; empty: none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
   std::vector<DegradedInterval> degraded{};   ///< in order of time
-  /// Observed free space for graph.json; evaluated while the folder is written.
-  mapping::FreeSpaceTest seen_free{};
   std::int32_t next_id = 0;  ///< above every id of this and earlier maps
   std::vector<mapping::PlacedPhotograph> photographs{};  ///< assigned to landmarks when writing
   std::size_t album_bytes_max = 0;

@@ -6,7 +6,7 @@
 
 namespace orchard::io {
 
-view::MapData page_data(const MapFolderContent& content, const mapping::NavigationGraph& graph,
+view::MapData page_data(const MapFolderContent& content,
                         const std::vector<mapping::AlbumEntry>& album) {
   view::MapData data;
   data.title = content.summary.source.empty() ? "Orchard map" : content.summary.source;
@@ -16,7 +16,7 @@ view::MapData page_data(const MapFolderContent& content, const mapping::Navigati
   data.warnings = content.summary.warnings;
   data.landmarks = &content.landmarks;
   data.rows = &content.rows;
-  data.graph = &graph;
+  data.graph = &content.graph;
   data.paths.push_back(&content.trajectory);
   for (const auto& trajectory : content.more_trajectories) data.paths.push_back(&trajectory);
   data.georeference = content.georeference;

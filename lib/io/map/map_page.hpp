@@ -4,14 +4,13 @@
 #include <string>
 
 #include "io/map/map_folder.hpp"
-#include "mapping/rows/navigation_graph.hpp"
 #include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
 
 namespace orchard::io {
 
-/// What map.html shows of a map; `content` and `graph` must exist as long as it.
-view::MapData page_data(const MapFolderContent& content, const mapping::NavigationGraph& graph,
+/// What map.html shows of a map; `content` must exist as long as it.
+view::MapData page_data(const MapFolderContent& content,
                         const std::vector<mapping::AlbumEntry>& album);
 
 /// map.html as text: the map as one page, with the album's photographs embedded, that a browser

@@ -10,6 +10,7 @@
 
 #include "geometry/statistics.hpp"
 #include "io/file_error.hpp"
+#include "io/map/graph_json.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
@@ -144,6 +145,8 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
   }
   if (!is_folder) return map;
   if (fs::exists(folder / "summary.json")) take_summary(folder / "summary.json", map);
+  if (fs::exists(folder / "graph.json"))
+    map.graph = read_graph_json((folder / "graph.json").string());
   for (int k = 1;; ++k) {
     const fs::path path =
         folder / (k == 1 ? "trajectory.csv" : "trajectory_" + std::to_string(k) + ".csv");

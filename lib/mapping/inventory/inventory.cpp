@@ -5,16 +5,17 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 constexpr double kSure = 0.95, kLikely = 0.8;
 constexpr int kClassesMax = 40;
-constexpr int kGapsMax = 100000;  // per row: an external map may have any numbers
 
 bool is_tree(const Landmark& l) { return l.label == detection::Label::kTree; }
 
@@ -39,18 +40,12 @@ struct Sum {
   double diameters_m = 0.0, variance_cm4 = 0.0;
 };
 
-/// Finds the empty slots between numbered trees.
-void find_gaps(const std::map<std::int32_t, Eigen::Vector2d>& places, RowInventory& row) {
-  if (places.empty()) return;
-  row.first_position = places.begin()->first;
-  row.last_position = places.rbegin()->first;
-  for (auto it = places.begin(), next = std::next(it); next != places.end(); it = next++) {
-    const double steps = static_cast<double>(next->first) - it->first;
-    for (std::int32_t k = it->first + 1; k < next->first; ++k) {
-      if (row.gaps.size() >= static_cast<std::size_t>(kGapsMax)) return;
-      const double f = (static_cast<double>(k) - it->first) / steps;
-      row.gaps.push_back({k, it->second + f * (next->second - it->second)});
-    }
+void add_slots(const Row& slots, RowInventory& row) {
+  for (const RowSlot& slot : slots.places) {
+    if (slot.position == 0) continue;
+    if (row.first_position == 0) row.first_position = slot.position;
+    row.last_position = slot.position;
+    if (slot.landmark_id == 0) row.gaps.push_back({slot.position, slot.p_map});
   }
 }
 
@@ -64,7 +59,6 @@ double tcsa_cm2(double diameter_m) {
 Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
   Inventory inventory;
   std::map<std::int32_t, Sum> sums;
-  std::map<std::int32_t, std::map<std::int32_t, Eigen::Vector2d>> places;
   Sum all;
   std::vector<double> position_se_m, width_sd_m;
   for (const Landmark& l : landmarks) {
@@ -73,8 +67,6 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
     if (!is_tree(l)) continue;
     sums[l.row].add(l);
     all.add(l);
-    if (l.row > 0 && l.position > 0)
-      places[l.row].emplace(l.position, Eigen::Vector2d(l.x_m, l.y_m));
     CertaintyCounts& certainty = inventory.certainty;
     ++(l.probability >= kSure     ? certainty.num_sure
        : l.probability >= kLikely ? certainty.num_likely
@@ -83,11 +75,13 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
     if (l.width_sd_m > 0.0) width_sd_m.push_back(l.width_sd_m);
   }
   inventory.all = all.done();
+  std::map<std::int32_t, Row> rows;
+  for (Row& row : numbered_rows(landmarks)) rows.emplace(row.number, std::move(row));
   std::optional<RowInventory> without_row;
   for (auto& [number, sum] : sums) {
     RowInventory row = sum.done();
     row.row = number;
-    find_gaps(places[number], row);
+    if (number > 0) add_slots(rows.at(number), row);
     inventory.all.gaps.insert(inventory.all.gaps.end(), row.gaps.begin(), row.gaps.end());
     if (number > 0) {
       inventory.rows.push_back(std::move(row));

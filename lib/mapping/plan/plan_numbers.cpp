@@ -20,21 +20,16 @@ std::vector<std::int32_t> numbers_of(const std::vector<std::string>& names) {
 
 }  // namespace
 
-PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
-                           std::vector<Landmark>& landmarks) {
+std::vector<PlanName> number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
+                                     std::vector<Landmark>& landmarks) {
   std::vector<std::string> row_names;
   for (const PlannedRow& row : plan.rows) row_names.push_back(row.name);
   const std::vector<std::int32_t> row_numbers = numbers_of(row_names);
   std::vector<std::vector<std::int32_t>> tree_numbers;
-  PlanNumbers result;
   for (std::size_t r = 0; r < plan.rows.size(); ++r) {
     std::vector<std::string> names;
     for (const PlannedTree& tree : plan.rows[r].trees) names.push_back(tree.name);
     tree_numbers.push_back(numbers_of(names));
-    Row row;
-    row.number = row_numbers[r];
-    row.spacing_m = row_facts(plan.rows[r]).spacing_m;
-    result.rows.push_back(std::move(row));
   }
   for (Landmark& l : landmarks) l.row = l.position = 0;
   std::vector<PlanName> name_of(landmarks.size());
@@ -45,10 +40,6 @@ PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
     const bool is_tree = is_extra || f.deviation == PlanDeviation::kAsPlanned ||
                          f.deviation == PlanDeviation::kOutOfPlace;
     const auto k = static_cast<std::size_t>(std::max(0, f.tree));
-    if (!is_extra) {
-      const std::int32_t id = is_tree ? landmarks[static_cast<std::size_t>(f.landmark)].id : 0;
-      result.rows[r].places.push_back({tree_numbers[r][k], id, f.p_map});
-    }
     if (!is_tree) continue;
     Landmark& l = landmarks[static_cast<std::size_t>(f.landmark)];
     l.row = row_numbers[r];
@@ -58,24 +49,10 @@ PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
     name.row = plan.rows[r].name;
     if (!is_extra) name.tree = plan.rows[r].trees[k].name;
   }
-  for (PlanName& name : name_of) {
-    if (name.landmark_id != 0) result.names.push_back(std::move(name));
-  }
-  for (Row& row : result.rows) {
-    std::stable_sort(row.places.begin(), row.places.end(),
-                     [](const RowSlot& a, const RowSlot& b) { return a.position < b.position; });
-    // Rows start and end with a tree.
-    const auto is_gap = [](const RowSlot& place) { return place.landmark_id == 0; };
-    while (!row.places.empty() && is_gap(row.places.back())) row.places.pop_back();
-    row.places.erase(row.places.begin(),
-                     std::find_if_not(row.places.begin(), row.places.end(), is_gap));
-  }
-  result.rows.erase(std::remove_if(result.rows.begin(), result.rows.end(),
-                                   [](const Row& row) { return row.places.empty(); }),
-                    result.rows.end());
-  std::stable_sort(result.rows.begin(), result.rows.end(),
-                   [](const Row& a, const Row& b) { return a.number < b.number; });
-  return result;
+  name_of.erase(std::remove_if(name_of.begin(), name_of.end(),
+                               [](const PlanName& name) { return name.landmark_id == 0; }),
+                name_of.end());
+  return name_of;
 }
 
 }  // namespace orchard::mapping

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "mapping/plan/plan_match.hpp"
-#include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
 
@@ -16,16 +15,11 @@ struct PlanName {
   std::string tree;  ///< empty for an extra tree of the row
 };
 
-/// Numbers and names that a plan gives to a map.
-struct PlanNumbers {
-  std::vector<Row> rows;        ///< in order of number; positions without tree are gaps
-  std::vector<PlanName> names;  ///< in order of the landmarks
-};
-
 /// Numbers the landmarks and rows of a map by its plan. Names are used as numbers if they are all
 /// different whole numbers; else rows, or the trees of a row, are counted in the order of the plan.
 /// Extra trees get their row's number, if they are in a row, and no position; objects get neither.
-PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
-                           std::vector<Landmark>& landmarks);
+/// Returns the names, in order of the landmarks.
+std::vector<PlanName> number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
+                                     std::vector<Landmark>& landmarks);
 
 }  // namespace orchard::mapping

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "geometry/statistics.hpp"
 
@@ -268,6 +269,26 @@ class GraphBuilder {
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
                                  const std::vector<Row>& rows, const FreeSpaceTest& seen_free) {
   return GraphBuilder(landmarks, rows, seen_free).build();
+}
+
+NavigationGraph narrowed(NavigationGraph graph, const std::vector<Landmark>& landmarks) {
+  if (landmarks.empty()) return graph;
+  const Obstacles obstacles(landmarks);
+  std::set<std::int32_t> nodes;
+  const auto is_shut = [&](NavigationEdge& edge) {
+    const double half_m = 0.5 * edge.width_m;
+    const double clearance_m = obstacles.clearance_m(edge.line_map, half_m);
+    if (clearance_m < half_m) edge.width_m = 2.0 * clearance_m;
+    if (clearance_m < half_m && clearance_m < kHalfCorridorMin_m) return true;
+    nodes.insert({edge.from, edge.to});
+    return false;
+  };
+  std::vector<NavigationEdge>& edges = graph.edges;
+  edges.erase(std::remove_if(edges.begin(), edges.end(), is_shut), edges.end());
+  graph.nodes.erase(std::remove_if(graph.nodes.begin(), graph.nodes.end(),
+                                   [&](const auto& node) { return nodes.count(node.id) == 0; }),
+                    graph.nodes.end());
+  return graph;
 }
 
 RowSpacing row_spacing(const Row& row) {

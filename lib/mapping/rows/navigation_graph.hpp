@@ -11,7 +11,7 @@
 
 namespace orchard::mapping {
 
-enum class EdgeKind { kAlley, kHeadland };
+enum class EdgeKind : std::int8_t { kAlley, kHeadland };
 
 /// A node of the navigation graph: the end of an alley, on the headland.
 struct NavigationNode {
@@ -46,6 +46,11 @@ struct NavigationGraph {
 /// `seen_free` only the landmarks count.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
                                  const std::vector<Row>& rows, const FreeSpaceTest& seen_free = {});
+
+/// The graph with obstacles that were not known when it was made: edges become as narrow as they
+/// leave, and those narrower than 2 kHalfCorridorMin_m are omitted, with nodes that no edge reaches
+/// any more. Lines and ids stay.
+NavigationGraph narrowed(NavigationGraph graph, const std::vector<Landmark>& obstacles);
 
 /// Statistics of the distances between neighbouring trees of a row [m]; pairs with an empty slot
 /// between them are not counted.

@@ -118,7 +118,7 @@ IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& al
   return kept;
 }
 
-void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
+void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row> rows,
                   std::vector<Landmark>& landmarks, IdTransfer& kept) {
   std::set<std::int32_t> present;
   for (const Landmark& l : landmarks) present.insert(l.id);
@@ -132,7 +132,6 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
     if (l.position != 0) taken.insert({l.row, l.position});
   }
   std::map<std::int32_t, Number> given = numbers;
-  std::vector<Row> result;
   for (Row& row : rows) {
     std::int32_t number = known_row(row, numbers);
     const bool is_known = number != 0;
@@ -143,43 +142,22 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
     }
     const std::vector<std::int32_t> positions =
         is_known ? kept_positions(row, number, numbers, taken) : std::vector<std::int32_t>();
-    Row numbered;
-    numbered.number = number;
-    numbered.spacing_m = row.spacing_m;
     for (std::size_t i = 0; i < row.places.size(); ++i) {
-      RowSlot place = row.places[i];
-      if (is_known) place.position = positions[i];
-      const bool is_tree = place.landmark_id != 0;
-      if (!is_tree && place.position == 0) continue;  // an empty slot without a number
-      if (is_tree && numbers.count(place.landmark_id) == 0) {
-        given[place.landmark_id] = {number, place.position};
-        kept.num_without_number += place.position == 0;
+      const RowSlot& place = row.places[i];
+      const std::int32_t position = is_known ? positions[i] : place.position;
+      if (place.landmark_id != 0 && numbers.count(place.landmark_id) == 0) {
+        given[place.landmark_id] = {number, position};
+        kept.num_without_number += position == 0;
       }
-      if (place.position != 0) taken.insert({number, place.position});
-      numbered.places.push_back(place);
+      if (position != 0) taken.insert({number, position});
     }
-    result.push_back(std::move(numbered));
   }
-  std::stable_sort(result.begin(), result.end(),
-                   [](const Row& x, const Row& y) { return x.number < y.number; });
-  rows = std::move(result);
   for (Landmark& l : landmarks) {
     const auto found = given.find(l.id);
     const Number number = found == given.end() ? Number{0, 0} : found->second;
     l.row = number.first;
     l.position = number.second;
   }
-}
-
-std::vector<Row> rows_as_numbered(std::vector<Landmark>& landmarks, const RowsConfig& config) {
-  const bool has_numbers =
-      std::any_of(landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.row != 0; });
-  if (!has_numbers) return {};
-  std::vector<Row> rows = find_rows(landmarks, config);
-  IdTransfer kept;
-  const std::vector<Landmark> known = landmarks;
-  keep_numbers(known, rows, landmarks, kept);
-  return rows;
 }
 
 }  // namespace orchard::mapping

@@ -28,12 +28,8 @@ IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& al
 /// takes the number of its slot: in a gap, or beyond the end of the row. If none is free (between
 /// two neighbours, or before number 1), it has a row but no position. A row without known trees
 /// gets the next unused row number. Known trees that are in no row any more keep their numbers.
-/// Rows are returned in order of number.
-void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
+/// The rows of the result are numbered_rows(landmarks).
+void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row> rows,
                   std::vector<Landmark>& landmarks, IdTransfer& kept);
-
-/// Rows of an already numbered map: those of find_rows(), with the existing numbers; trees of a row
-/// without number get one. Empty if no landmark has a number.
-std::vector<Row> rows_as_numbered(std::vector<Landmark>& landmarks, const RowsConfig& config);
 
 }  // namespace orchard::mapping

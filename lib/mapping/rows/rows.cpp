@@ -22,9 +22,6 @@ namespace {
 /// How often the regularity of the rows is learnt from the rows that were found with it.
 constexpr int kLearningRounds = 3;
 
-/// Gaps longer than this, in tree spacings, end a row.
-constexpr double kGapMax_spacings = 8.0;
-
 using Eigen::Vector2d;
 
 /// Chains at a larger angle to the rows (cosine of 60 degrees) are hedges or headlands.
@@ -105,7 +102,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
         lines.p_map[index_of(chain.back())] - lines.p_map[index_of(chain.front())];
     return chord.dot(forward) < kAcross_cos * chord.norm();
   };
-  std::vector<RowChain> known = row_chains(p_seeds, guess, kGapMax_spacings);
+  std::vector<RowChain> known = row_chains(p_seeds, guess, kGapMax_slots);
   for (RowChain& chain : known) {
     for (std::int32_t& i : chain) i = static_cast<std::int32_t>(seeds[index_of(i)]);
   }

@@ -24,6 +24,9 @@ struct Row {
   std::vector<RowSlot> places;  ///< in order of position; the first and last are occupied
 };
 
+/// Gaps of more slots end a row: beyond, nothing tells that both parts are one.
+inline constexpr int kGapMax_slots = 8;
+
 /// Finds the rows of a map, straight or curved, and numbers rows and slots.
 ///
 /// Uses only trees. Empty slots are counted too, so that numbers do not change when a tree dies or

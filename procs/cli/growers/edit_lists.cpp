@@ -65,6 +65,7 @@ int run_edit_apply(const EditOptions& options) {
   known.next_id = map.corrected.next_id;
   io::MapFolderContent content = content_of(known);
   content.rows = map.rows;
+  content.graph = map.graph;
   content.summary.source = "corrected";
   content.summary.counts = {{"corrections", static_cast<std::int64_t>(map.corrections.size())}};
   for (const mapping::CorrectionResult& result : map.corrected.results) {

@@ -7,13 +7,11 @@
 
 #include "bus/node/process.hpp"
 #include "cli/maps/map_registration.hpp"
-#include "cli/maps/stored_content.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/map_layers.hpp"
 #include "io/map/corrected_map.hpp"
-#include "mapping/rows/navigation_graph.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -86,13 +84,11 @@ int run_export(const ExportOptions& options) {
   const io::GeoFormatInfo& format = format_named(options.format);
   require_place(options, format);
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
-  const mapping::NavigationGraph graph =
-      mapping::navigation_graph(map.corrected.landmarks, map.rows, seen_free_of(map.mapped));
   io::MapLayers layers;
   layers.landmarks = &map.corrected.landmarks;
   for (const auto& trajectory : map.mapped.trajectories) layers.trajectories.push_back(&trajectory);
   layers.rows = &map.rows;
-  layers.graph = &graph;
+  layers.graph = &map.graph;
   layers.georeference = &map.mapped.georeference;
   layers.row_names = map.corrected.row_names;
   layers.notes = map.corrected.notes;

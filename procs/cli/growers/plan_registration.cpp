@@ -11,6 +11,7 @@
 #include "io/file_error.hpp"
 #include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -103,8 +104,8 @@ RegisteredPlan register_plan(const io::StoredPlan& plan, const io::StoredMap& ma
 }
 
 void apply_plan(RegisteredPlan& laid, io::MapFolderContent& content) {
-  laid.numbers = mapping::number_by_plan(laid.plan.plan, laid.match, content.landmarks);
-  content.rows = laid.numbers.rows;
+  laid.names = mapping::number_by_plan(laid.plan.plan, laid.match, content.landmarks);
+  content.rows = mapping::numbered_rows(content.landmarks);
   if (laid.is_georeferenced_by_plan) {
     geometry::Georeference g = *laid.plan.georeference;
     const geometry::Pose2 T_plan_map = inverse(laid.match.T_map_plan());
@@ -128,7 +129,7 @@ void write_plan_files(const std::string& folder, const RegisteredPlan& laid,
   files.write(folder + "/plan.csv", io::plan_csv(report));
   files.write(folder + "/plan_rows.csv", io::plan_rows_csv(report));
   files.write(folder + "/plan.json", io::plan_match_json(report));
-  files.write(folder + "/names.csv", io::plan_names_csv(laid.numbers.names));
+  files.write(folder + "/names.csv", io::plan_names_csv(laid.names));
   files.commit();
 }
 

@@ -13,7 +13,7 @@ struct RegisteredPlan {
   io::StoredPlan plan;  ///< in the map frame, where both are georeferenced
   mapping::PlanMatch match;
   bool is_georeferenced_by_plan = false;  ///< the map had no georeference and gets the plan's
-  mapping::PlanNumbers numbers;
+  std::vector<mapping::PlanName> names;
 };
 
 /// Matches a plan's trees with a map. If both are georeferenced, the registration starts from that,

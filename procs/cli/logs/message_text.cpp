@@ -31,6 +31,10 @@ std::string text_of(detection::AdaptationReason reason) {
                                     "confidence collapsed"};
   return kNames[static_cast<int>(reason)];
 }
+std::string text_of(mapping::EdgeKind kind) {
+  return kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
+}
+
 std::string text_of(bus::Level level) {
   constexpr const char* kNames[] = {"ok", "waiting", "warning", "error"};
   return kNames[static_cast<int>(level)];

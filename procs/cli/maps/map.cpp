@@ -27,6 +27,7 @@
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "log_player/replay_rig.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -228,7 +229,9 @@ int run_map(const MapOptions& options) {
   }
   std::optional<EarlierIdentity> kept;
   if (previous) {
-    kept = transfer_identity(*previous, options.previous_alignment, config.mapper.rows, content);
+    kept = transfer_identity(*previous, options.previous_alignment, content);
+    content.rows = mapping::numbered_rows(content.landmarks);
+    content.graph = pipeline.mapper.ways_of(content.landmarks, content.rows);
   }
   std::string corrections;
   if (kept) {

@@ -6,7 +6,7 @@
 
 #include "io/file_error.hpp"
 #include "mapping/corrections/carry_corrections.hpp"
-#include "mapping/rows/rows.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::cli {
 
@@ -41,7 +41,7 @@ mapping::MapAlignment register_map(const io::StoredMap& a, const mapping::Detect
 
 EarlierIdentity transfer_identity(const io::CorrectedMapFolder& earlier,
                                   const mapping::MapAlignmentConfig& config,
-                                  const mapping::RowsConfig& rows, io::MapFolderContent& content) {
+                                  io::MapFolderContent& content) {
   io::StoredMap known = earlier.mapped;
   known.landmarks = mapping::known_landmarks(known.landmarks, earlier.corrected.landmarks);
   known.next_id = std::max(known.next_id, earlier.corrected.next_id);
@@ -57,10 +57,8 @@ EarlierIdentity transfer_identity(const io::CorrectedMapFolder& earlier,
   content.next_id = known.next_id;
   EarlierIdentity kept;
   kept.numbers = mapping::keep_ids(known.landmarks, alignment, content.next_id, content.landmarks);
-  if (rows.enabled) {
-    content.rows = mapping::find_rows(content.landmarks, rows);
-    mapping::keep_numbers(known.landmarks, content.rows, content.landmarks, kept.numbers);
-  }
+  mapping::keep_numbers(known.landmarks, mapping::numbered_rows(content.landmarks),
+                        content.landmarks, kept.numbers);
   kept.corrections = mapping::carry_corrections(earlier.corrections, known.landmarks,
                                                 content.landmarks, alignment.T_a_b);
   content.summary.counts.push_back({"kept_ids", kept.numbers.num_found});

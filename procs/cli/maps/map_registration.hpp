@@ -26,10 +26,11 @@ struct EarlierIdentity {
 };
 
 /// Gives landmarks of `content` that match an earlier map their ids and numbers there, and notes it
-/// in the summary. Manual additions to the earlier map count as known. Throws like register_map().
+/// in the summary. Manual additions to the earlier map count as known. The caller makes rows and
+/// ways again from the numbers. Throws like register_map().
 EarlierIdentity transfer_identity(const io::CorrectedMapFolder& earlier,
                                   const mapping::MapAlignmentConfig& config,
-                                  const mapping::RowsConfig& rows, io::MapFolderContent& content);
+                                  io::MapFolderContent& content);
 
 /// Throws io::FileError when `out_folder` holds one of the inputs (a map folder or a map.csv).
 void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs);

@@ -26,6 +26,8 @@
 #include "io/progress_bar.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/compare/map_merging.hpp"
+#include "mapping/finish/finish.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -204,18 +206,6 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-void number(const mapping::RowsConfig& config, io::MapFolderContent& content) {
-  if (!config.enabled) return;
-  const bool has_numbers = std::any_of(content.landmarks.begin(), content.landmarks.end(),
-                                       [](const mapping::Landmark& l) { return l.row != 0; });
-  if (has_numbers) {
-    content.rows = mapping::rows_as_numbered(content.landmarks, config);
-  } else {
-    content.rows = mapping::find_rows(content.landmarks, config);
-    mapping::number_landmarks(content.rows, content.landmarks);
-  }
-}
-
 }  // namespace
 
 int run_merge(const MergeOptions& options) {
@@ -258,15 +248,16 @@ int run_merge(const MergeOptions& options) {
     std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
   }
   EarlierIdentity kept;
+  mapping::number_merged(rows, content.landmarks);
   if (previous) {
-    kept = transfer_identity(*previous, options.alignment, rows, content);
+    kept = transfer_identity(*previous, options.alignment, content);
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
                 kept.numbers.num_found, kept.numbers.num_gone, kept.numbers.num_new);
     const std::string told = account_corrections("orchard merge", kept.corrections, content);
     if (!told.empty()) std::printf("corrections by hand: %s\n", told.c_str());
-  } else {
-    number(rows, content);
   }
+  content.rows = mapping::numbered_rows(content.landmarks);
+  content.graph = mapping::navigation_graph(content.landmarks, content.rows, seen_free_of(whole));
   content.ids_csv = renamed(laid.ids_of_map, merged.landmarks, content.landmarks);
   io::write_map_folder(options.out_folder, content);
   write_corrections(options.out_folder, kept.corrections);

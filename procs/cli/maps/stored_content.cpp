@@ -39,7 +39,7 @@ io::MapFolderContent content_of(const io::StoredMap& map) {
   content.georeference = map.georeference;
   content.view = map.view;
   content.summary = summary_of(map);
-  content.seen_free = seen_free_of(map);
+  content.graph = map.graph;
   if (map.trajectories.empty()) return content;
   content.trajectory = map.trajectories.front();
   content.more_trajectories.assign(map.trajectories.begin() + 1, map.trajectories.end());

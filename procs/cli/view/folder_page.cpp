@@ -12,7 +12,6 @@
 #include "io/file_error.hpp"
 #include "io/map/album_files.hpp"
 #include "io/map/corrections_file.hpp"
-#include "mapping/rows/navigation_graph.hpp"
 #include "text/printable_text.hpp"
 #include "text/whole_number.hpp"
 #include "view/map_data.hpp"
@@ -55,19 +54,16 @@ std::shared_ptr<const FolderPage::Shown> FolderPage::shown() const {
 }
 
 void FolderPage::show(io::CorrectedMapFolder map) {
-  mapping::NavigationGraph graph =
-      mapping::navigation_graph(map.corrected.landmarks, map.rows, seen_free_of(map.mapped));
   std::string corrections = procs::corrections_event(map);
   io::MapSummary summary = summary_of(map.mapped);
-  const auto now =
-      std::make_shared<Shown>(Shown{std::move(map), std::move(summary), std::move(graph)});
+  const auto now = std::make_shared<Shown>(Shown{std::move(map), std::move(summary)});
   if (now->map.corrected.landmarks.size() > view::kWholePage_landmarks) {
     now->tiles.emplace(page_data(*now));
   }
   std::string rows =
       now->tiles
           ? "{\"kind\":\"overview\"," + now->tiles->overview_parts_json() + "}"
-          : "{\"kind\":\"rows\"," + view::rows_and_ways_json(now->map.rows, now->graph) + "}";
+          : "{\"kind\":\"rows\"," + view::rows_and_ways_json(now->map.rows, now->map.graph) + "}";
   const std::lock_guard<std::mutex> lock(mutex_);
   shown_ = now;
   landmarks_.show(now->map.corrected.landmarks);
@@ -85,7 +81,7 @@ view::MapData FolderPage::page_data(const Shown& shown) const {
   data.last_utime = shown.summary.last_utime;
   data.landmarks = &map.corrected.landmarks;
   data.rows = &map.rows;
-  data.graph = &shown.graph;
+  data.graph = &map.graph;
   for (const auto& trajectory : map.mapped.trajectories) data.paths.push_back(&trajectory);
   data.georeference = map.mapped.georeference;
   data.photo_ids = photo_ids_;

@@ -9,7 +9,6 @@
 
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
-#include "mapping/rows/navigation_graph.hpp"
 #include "view/live_map.hpp"
 #include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
@@ -40,7 +39,6 @@ class FolderPage : public procs::PageContent {
   struct Shown {
     io::CorrectedMapFolder map;
     io::MapSummary summary;
-    mapping::NavigationGraph graph;
     std::optional<view::MapTiles> tiles{};  ///< of a large map; refers to the other members
   };
   std::shared_ptr<const Shown> shown() const;

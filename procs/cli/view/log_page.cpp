@@ -172,11 +172,9 @@ void LogPage::map() {
   summary.last_utime = report.last_utime;
   const io::MapFolderContent content = pipeline.mapper.content(summary);
   replay.check();
-  const mapping::NavigationGraph graph =
-      mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
   const std::lock_guard<std::mutex> lock(mutex_);
   record_.finish(content.landmarks);
-  finish_json_ = "," + view::rows_and_ways_json(content.rows, graph);
+  finish_json_ = "," + view::rows_and_ways_json(content.rows, content.graph);
   if (content.georeference) {
     finish_json_ += ",\"georeference\":" + view::georeference_json(*content.georeference);
   }

@@ -28,7 +28,7 @@ io::Config rig(pose::PoseMode mode = pose::PoseMode::kFixesAndOdometry) {
   return config;
 }
 
-std::string table_of(const MapperNode& mapper) { return io::map_csv(mapper.numbered_landmarks()); }
+std::string table_of(const MapperNode& mapper) { return io::map_csv(mapper.finished().landmarks); }
 
 /// A mapper process, as far as its map goes.
 struct Process {

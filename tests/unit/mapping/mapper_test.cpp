@@ -62,7 +62,7 @@ TEST(Mapper, AViewThatWentWrongIsNoTrunkInsideATrunk) {
     seen.push_back(seen_at(4.0, -0.4, Label::kTree, 0.2));
     mapper.update(scan_of(std::move(seen), 100000 * scan), {});
   }
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   std::vector<Landmark> standing;
   for (const Landmark& l : mapper.landmarks()) {
     if (!std::count(strays.begin(), strays.end(), l.id)) standing.push_back(l);
@@ -164,7 +164,7 @@ TEST(Mapper, ATrunkBesideABushStandsAloneThoughNoPictureShowsIt) {
     }
     mapper.update(scan_of(std::move(seen), 100000 * scan), {});
   }
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   std::vector<Landmark> standing;
   for (const Landmark& l : mapper.landmarks()) {
     if (!std::count(strays.begin(), strays.end(), l.id)) standing.push_back(l);

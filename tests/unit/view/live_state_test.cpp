@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -124,6 +125,88 @@ TEST(Bitmap, HoldsThePixels) {
   EXPECT_EQ(bytes.substr(54), std::string("\4\5\6\0\1\2\3\0", 8));
   image.data.pop_back();
   EXPECT_TRUE(bitmap(image).empty()) << "too few bytes";
+}
+
+TEST(LiveState, TheLastStateIsTheFinishedMap) {
+  // Two rows of three trees, a hedge, a stray; while the map grows the page counts them otherwise.
+  mapping::FinishedMap map;
+  for (int i = 0; i < 6; ++i) {
+    mapping::Landmark tree;
+    tree.id = i + 1;
+    tree.label = detection::Label::kTree;
+    tree.num_observations = i == 5 ? 1 : 9;  // by the camera once, by the laser often
+    tree.x_m = 2.0 * (i % 3);
+    tree.y_m = 4.0 * (i / 3);
+    tree.row = 1 + i / 3;
+    tree.position = 1 + i % 3;
+    map.landmarks.push_back(tree);
+  }
+  mapping::Landmark hedge;
+  hedge.id = 7;
+  hedge.num_observations = 9;
+  hedge.y_m = 9.0;
+  hedge.length_m = 6.5;
+  hedge.direction_rad = 0.25;
+  map.landmarks.push_back(hedge);
+  map.omitted = {{8, mapping::Omission::kSpurious}, {9, mapping::Omission::kPart}};
+  for (int k = 0; k < 450; ++k) {  // more than one part holds
+    mapping::NavigationEdge edge;
+    edge.id = k + 1;
+    edge.from = 2 * k + 1;
+    edge.to = 2 * k + 2;
+    edge.kind = k % 3 == 0 ? mapping::EdgeKind::kHeadland : mapping::EdgeKind::kAlley;
+    edge.row_left = k;
+    edge.width_m = 2.0 + 0.001 * k;
+    for (int i = 0; i <= k % 40; ++i) edge.line_map.push_back({0.5 * i, 1.0 * k});
+    edge.line_map.push_back({0.5 * k, 1.0 + k});
+    map.graph.edges.push_back(edge);
+  }
+  LiveState state(make_rig(), 3);
+  mapping::MapTile growing;
+  growing.utime = 5'000'000;
+  for (std::int32_t id = 1; id <= 9; ++id) {
+    mapping::Landmark l = id <= 7 ? map.landmarks[static_cast<std::size_t>(id) - 1] : hedge;
+    l.id = id;
+    l.row = l.position = 0;
+    l.length_m = l.direction_rad = 0.0;
+    growing.landmarks.push_back(l);
+  }
+  state.take(growing);
+  std::vector<mapping::Landmark> preview = state.landmarks();
+  for (mapping::Landmark& l : preview) l.row = l.position = 40;
+  state.take_rows(preview, "");
+  std::vector<mapping::MapWays> parts = mapping::map_ways_of(map, growing.utime);
+  EXPECT_GT(parts.size(), 2u);
+  std::reverse(parts.begin(), parts.end());
+  for (const mapping::MapWays& part : parts) {
+    EXPECT_EQ(state.ways(), nullptr);
+    state.take(part);
+  }
+  mapping::MapTile last = growing;
+  last.landmarks = map.landmarks;
+  for (mapping::Landmark& l : last.landmarks) l.length_m = l.direction_rad = 0.0;  // as on the wire
+  for (const mapping::OmittedLandmark& l : map.omitted) last.removed_ids.push_back(l.id);
+  state.take(last);
+  const std::vector<mapping::Landmark> shown = state.landmarks();
+  ASSERT_EQ(shown.size(), map.landmarks.size());
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    EXPECT_EQ(shown[i].id, map.landmarks[i].id);
+    EXPECT_EQ(shown[i].row, map.landmarks[i].row);
+    EXPECT_EQ(shown[i].position, map.landmarks[i].position);
+    EXPECT_EQ(shown[i].length_m, map.landmarks[i].length_m);
+    EXPECT_EQ(shown[i].direction_rad, map.landmarks[i].direction_rad);
+  }
+  ASSERT_NE(state.ways(), nullptr);
+  ASSERT_EQ(state.ways()->edges.size(), map.graph.edges.size());
+  for (const mapping::NavigationEdge& edge : state.ways()->edges) {
+    const mapping::NavigationEdge& sent = map.graph.edges[static_cast<std::size_t>(edge.id) - 1];
+    EXPECT_EQ(edge.line_map, sent.line_map);
+    EXPECT_EQ(edge.width_m, sent.width_m);
+    EXPECT_EQ(edge.kind, sent.kind);
+  }
+  growing.utime += 100'000;  // the drive goes on
+  state.take(growing);
+  EXPECT_EQ(state.ways(), nullptr);
 }
 
 }  // namespace

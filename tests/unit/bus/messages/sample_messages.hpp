@@ -71,6 +71,11 @@ class FieldFiller {
   void array(const char* name, std::vector<T>& values, const char*, Lo lo, Hi hi) {
     for (T& value : values) field(name, value, lo, hi);
   }
+  template <class T, class Member, class Lo, class Hi>
+  void column(const char* name, std::vector<T>& values, const char*, Member T::*member, Lo lo,
+              Hi hi) {
+    for (T& value : values) field(name, value.*member, lo, hi);
+  }
   template <class T, class Fields>
   void items(const char*, std::vector<T>& values, const char*, Fields) {
     for (T& value : values) Fields::visit(value, *this);
@@ -90,6 +95,11 @@ inline void complete(vision::Image& image) {
   image.height_px = 240;
   image.encoding = vision::Encoding::kJpeg;
   image.data = jpeg_head(320, 240);
+}
+
+inline void complete(mapping::MapWays& ways) {
+  ways.part = ways.num_parts - 1;
+  for (mapping::Way& way : ways.ways) way.num_points = 1;
 }
 
 /// One well-formed message of each source and derived channel, every field set to something.

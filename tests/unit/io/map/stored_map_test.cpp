@@ -6,11 +6,14 @@
 #include <ogrsf_frmts.h>
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <memory>
+#include <tuple>
 
 #include "io/file_error.hpp"
+#include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "unit/io/test_folder.hpp"
 
@@ -78,6 +81,8 @@ MapFolderContent content_with_rows() {
     content.landmarks.push_back(l);
   }
   content.rows = mapping::find_rows(content.landmarks, mapping::RowsConfig{});
+  mapping::number_landmarks(content.rows, content.landmarks);
+  content.graph = mapping::navigation_graph(content.landmarks, content.rows);
   for (int i = 0; i < 20; ++i) {
     pose::PoseEstimate p;
     p.utime = 1000 + i;
@@ -112,13 +117,100 @@ TEST(StoredMap, ReadsBackWhatAFolderSays) {
   ASSERT_TRUE(map.georeference.has_value());
   EXPECT_NEAR(map.georeference->latitude_deg, -27.604, 1e-9);
   EXPECT_NEAR(map.georeference->yaw_rad, 0.4, 1e-9);
+  ASSERT_EQ(map.graph.edges.size(), content.graph.edges.size());
+  EXPECT_EQ(map.graph.nodes.size(), content.graph.nodes.size());
+  for (std::size_t i = 0; i < map.graph.edges.size(); ++i) {
+    const mapping::NavigationEdge &now = map.graph.edges[i], &was = content.graph.edges[i];
+    EXPECT_EQ(std::tie(now.id, now.kind, now.from, now.to, now.row_left, now.row_right),
+              std::tie(was.id, was.kind, was.from, was.to, was.row_left, was.row_right));
+    EXPECT_NEAR(now.width_m, was.width_m, 5e-4);
+    ASSERT_EQ(now.line_map.size(), was.line_map.size());
+    EXPECT_LT((now.line_map.back() - was.line_map.back()).norm(), 1e-3);
+  }
   const StoredMap alone = read_stored_map(folder / "map.csv");
+  EXPECT_TRUE(alone.graph.edges.empty());
   EXPECT_TRUE(alone.trajectories.empty());
   EXPECT_EQ(alone.next_id, 41);
   std::ofstream(folder / "summary.json") << "{\"view\": {\"reach_m\": \"far\"}}";
   EXPECT_THROW(read_stored_map(folder.path()), FileError);
   std::ofstream(folder / "summary.json") << "[1, 2";
   EXPECT_THROW(read_stored_map(folder.path()), FileError);
+}
+
+TEST(StoredMap, RefusesAGraphThatCannotBe) {
+  const TestFolder folder;
+  write_map_folder(folder.path(), content_with_rows());
+  const std::string node = R"({"id": 1, "place": [0, 0]})";
+  const auto edge = [](const std::string& more) {
+    return R"([{"id": 1, "kind": "headland", "from": 1, "to": 1, "row": 1, "length_m": 2, )" +
+           more + "}]";
+  };
+  const std::string good = R"("width_m": 1, "line": [[0, 0], [0, 0]])";
+  const auto graph = [&](const std::string& nodes, const std::string& edges) {
+    std::ofstream(folder / "graph.json")
+        << R"({"nodes": [)" + nodes + R"(], "edges": )" + edges + "}";
+    return read_stored_map(folder.path()).graph.edges.size();
+  };
+  EXPECT_EQ(graph(node, edge(good)), 1u);
+  EXPECT_THROW(graph(node + "," + node, edge(good)), FileError) << "an id twice";
+  EXPECT_THROW(graph("", edge(good)), FileError) << "no such node";
+  EXPECT_THROW(graph(node, edge(R"("width_m": -1, "line": [[0, 0], [0, 0]])")), FileError);
+  EXPECT_THROW(graph(node, edge(R"("width_m": 1, "line": [[0, 1e300], [0, 0]])")), FileError);
+  EXPECT_THROW(graph(node, edge(R"("width_m": 1, "line": [[0], [0, 0]])")), FileError);
+  EXPECT_THROW(graph(node, edge(R"("width_m": 1, "line": [])")), FileError);
+  EXPECT_THROW(graph(node, "7"), FileError);
+  std::ofstream(folder / "graph.json") << "[";
+  EXPECT_THROW(read_stored_map(folder.path()), FileError);
+}
+
+mapping::Correction correction(mapping::CorrectionKind kind, const mapping::Landmark* target) {
+  mapping::Correction c;
+  c.number = 1;
+  c.kind = kind;
+  if (target)
+    c.targets = {{target->id, {target->x_m, target->y_m}, target->label, target->width_m}};
+  return c;
+}
+
+TEST(CorrectedMap, ACorrectionChangesOnlyWhatItTouches) {
+  const TestFolder folder;
+  write_map_folder(folder.path(), content_with_rows());
+  const StoredMap stored = read_stored_map(folder.path());
+  const CorrectedMapFolder before = corrected_map_of(stored, {});
+  ASSERT_EQ(before.rows.size(), 4u);
+  ASSERT_EQ(before.graph.edges.size(), stored.graph.edges.size());
+  const auto same_row = [](const mapping::Row& a, const mapping::Row& b) {
+    bool same = a.places.size() == b.places.size() && a.spacing_m == b.spacing_m;
+    for (std::size_t i = 0; same && i < a.places.size(); ++i) {
+      same = a.places[i].landmark_id == b.places[i].landmark_id &&
+             a.places[i].position == b.places[i].position && a.places[i].p_map == b.places[i].p_map;
+    }
+    return same;
+  };
+  const mapping::Landmark& felled = stored.landmarks.at(14);  // inside of a row
+  const CorrectedMapFolder without =
+      corrected_map_of(stored, {correction(mapping::CorrectionKind::kDelete, &felled)});
+  int num_changed = 0;
+  for (std::size_t r = 0; r < 4; ++r) num_changed += !same_row(before.rows[r], without.rows[r]);
+  EXPECT_EQ(num_changed, 1);
+  const mapping::Row& row = without.rows.at(static_cast<std::size_t>(felled.row) - 1);
+  EXPECT_EQ(std::count_if(row.places.begin(), row.places.end(),
+                          [](const auto& slot) { return slot.landmark_id == 0; }),
+            1);
+  for (std::size_t i = 0; i < before.graph.edges.size(); ++i) {
+    EXPECT_EQ(without.graph.edges.at(i).width_m, before.graph.edges[i].width_m);
+  }
+  // a post beside an aisle's line narrows this aisle alone
+  mapping::Correction post = correction(mapping::CorrectionKind::kAdd, nullptr);
+  const mapping::NavigationEdge& aisle = before.graph.edges.front();
+  post.places_map = {aisle.line_map.at(aisle.line_map.size() / 2) + Eigen::Vector2d(0.0, 0.8)};
+  post.label = detection::Label::kObject;
+  post.new_id = 99;
+  const CorrectedMapFolder with = corrected_map_of(stored, {post});
+  EXPECT_LT(with.graph.edges.at(0).width_m, before.graph.edges[0].width_m);
+  for (std::size_t i = 1; i < before.graph.edges.size(); ++i) {
+    EXPECT_EQ(with.graph.edges.at(i).width_m, before.graph.edges[i].width_m);
+  }
 }
 
 std::unique_ptr<GDALDataset> open(const std::string& path) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mapping/rows/number_keeping.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {
@@ -251,15 +252,15 @@ TEST(NumberKeeping, NewTreesTakeThePlaceTheyStandAt) {
     if (i == 1) row.places.push_back({2, 0, {2.0, 0.0}});
     row.places.push_back({positions[i], ids[i], {now[i].x_m, 0.0}});
   }
-  std::vector<Row> rows{row};
   IdTransfer kept;
-  keep_numbers(earlier, rows, now, kept);
+  keep_numbers(earlier, {row}, now, kept);
   const std::vector<int> wanted{11, 13, 14, 15, 16, 0, 17, 18, 19};
   for (std::size_t i = 0; i < now.size(); ++i) {
     EXPECT_EQ(now[i].row, 4);
     EXPECT_EQ(now[i].position, wanted[i]) << i;
   }
   EXPECT_EQ(kept.num_without_number, 1);
+  const std::vector<Row> rows = numbered_rows(now);
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].number, 4);
   EXPECT_EQ(rows[0].places[1].landmark_id, 0) << "the gap is still there";
@@ -269,9 +270,8 @@ TEST(NumberKeeping, NewTreesTakeThePlaceTheyStandAt) {
   for (std::size_t i = 0; i < row.places.size(); ++i) {
     row.places[i].position = static_cast<std::int32_t>(i) + 1;
   }
-  std::vector<Row> backwards{row};
   std::vector<Landmark> again = now;
-  keep_numbers(earlier, backwards, again, kept);
+  keep_numbers(earlier, {row}, again, kept);
   for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(again[i].position, wanted[i]) << i;
 }
 

@@ -194,7 +194,7 @@ TEST(Existence, OneLegIsNoLandmarkThoughTheOtherWasSeenGone) {
 TEST(Existence, WhoWalksBesideTheRobotIsFollowedAlsoWithoutBeams) {
   const Mapper mapper = drive(1, walker_and_rows, Sees::kDetections);
   ASSERT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}), 20);
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   int num_left = 0;
   for (const Landmark& l : mapper.landmarks()) {
     const bool is_tree = std::abs(std::abs(l.y_m) - 2.0) < 0.2;
@@ -239,7 +239,7 @@ TEST(Existence, WhatMostScansOfTheDriveSeeThroughIsStray) {
     return all;
   };
   const Mapper mapper = drive(1, things);
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   int num_twigs = 0;
   for (const Landmark& l : mapper.landmarks()) {
     const bool is_stray = std::binary_search(strays.begin(), strays.end(), l.id);
@@ -266,7 +266,7 @@ TEST(Existence, AStalkThatComesAndGoesIsStrayAndAThinStakeIsNone) {
     return all;
   };
   const Mapper mapper = drive(1, things);
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   int num_canes = 0, num_stalks = 0;
   for (const Landmark& l : mapper.landmarks(4)) {
     if (std::abs(l.y_m) > 1.6 || std::binary_search(strays.begin(), strays.end(), l.id)) continue;
@@ -289,7 +289,7 @@ TEST(Existence, ADarkPostThatOnlyNearScansMeetIsNoStray) {
     return all;
   };
   const Mapper mapper = drive(1, things);
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   int num_stems = 0;
   for (const Landmark& l : mapper.landmarks(4)) {
     if (l.y_m < 0.6 || l.y_m > 1.2) continue;

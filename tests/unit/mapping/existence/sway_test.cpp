@@ -63,7 +63,7 @@ struct Strays {
 
 Strays strays_of(const Mapper& mapper) {
   Strays strays;
-  const std::vector<std::int32_t> ids = mapper.spurious_ids();
+  const std::vector<std::int32_t> ids = mapper.spurious_ids(*mapper.ground());
   for (const Landmark& l : mapper.landmarks()) {
     if (std::find(ids.begin(), ids.end(), l.id) == ids.end()) continue;
     const bool is_stalk = std::abs(l.y_m - 1.0) < 0.3;

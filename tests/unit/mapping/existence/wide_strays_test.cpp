@@ -59,7 +59,7 @@ Mapper drive() {
 
 TEST(WideStrays, GroundThatScansSawFreeIsThatOfNothing) {
   const Mapper mapper = drive();
-  const std::vector<std::int32_t> strays = mapper.spurious_ids();
+  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
   int num_trees = 0, num_bushes = 0, num_views = 0;
   for (const Landmark& l : mapper.landmarks()) {
     const bool is_stray = std::binary_search(strays.begin(), strays.end(), l.id);

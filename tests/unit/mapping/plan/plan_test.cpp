@@ -3,6 +3,7 @@
 
 #include "mapping/plan/plan_building.hpp"
 #include "mapping/plan/plan_numbers.hpp"
+#include "mapping/rows/numbered_rows.hpp"
 #include "unit/mapping/plan/planned_block.hpp"
 
 namespace orchard::mapping {
@@ -104,7 +105,8 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
   DrivenMap map = drive_all(b, {}, dice);
   const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
-  const PlanNumbers numbers = number_by_plan(b.plan, match, map.landmarks);
+  number_by_plan(b.plan, match, map.landmarks);
+  const std::vector<Row> rows = numbered_rows(map.landmarks);
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const TrueTree& t = b.block.trees[static_cast<std::size_t>(map.tree_of[i])];
     const PlannedRow& row = b.plan.rows[static_cast<std::size_t>(t.row)];
@@ -112,9 +114,9 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
     const std::string tree = t.place < 0 ? "0" : row.trees[static_cast<std::size_t>(t.place)].name;
     EXPECT_EQ(std::to_string(map.landmarks[i].position), tree);
   }
-  ASSERT_EQ(numbers.rows.size(), b.plan.rows.size());
+  ASSERT_EQ(rows.size(), b.plan.rows.size());
   int num_gaps = 0;
-  for (const Row& row : numbers.rows) {
+  for (const Row& row : rows) {
     EXPECT_NE(row.places.front().landmark_id, 0);
     EXPECT_NE(row.places.back().landmark_id, 0);
     for (const RowSlot& place : row.places) num_gaps += place.landmark_id == 0;
@@ -144,12 +146,12 @@ TEST(PlanNumbers, NamesThatAreNoNumbersAreCounted) {
   }
   const PlanMatch match = match_plan(plan, landmarks, DetectionMap(), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
-  const PlanNumbers numbers = number_by_plan(plan, match, landmarks);
+  const std::vector<PlanName> names = number_by_plan(plan, match, landmarks);
   EXPECT_EQ(landmarks[8].row, 2);
   EXPECT_EQ(landmarks[8].position, 3);
-  EXPECT_EQ(numbers.names[8].landmark_id, 108);
-  EXPECT_EQ(numbers.names[8].row, "west");
-  EXPECT_EQ(numbers.names[8].tree, "2b");
+  EXPECT_EQ(names[8].landmark_id, 108);
+  EXPECT_EQ(names[8].row, "west");
+  EXPECT_EQ(names[8].tree, "2b");
 }
 
 TEST(PlanBuilding, TreesComeInOrderOfNumbersOrAlongTheRow) {

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/finish/finish.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "mapping/extent/long_objects.hpp"
+#include "mapping/extent/stem_scatter.hpp"
+#include "mapping/rows/hedge_rows.hpp"
+#include "mapping/rows/number_keeping.hpp"
+#include "mapping/rows/numbered_rows.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Ids = std::vector<std::int32_t>;  ///< in ascending order
+
+/// Removes the landmarks with these ids, and notes the reason in `map`.
+void omit(const Ids& ids, Omission reason, std::vector<Landmark>& landmarks, FinishedMap& map) {
+  const auto is_omitted = [&](const Landmark& l) {
+    return std::binary_search(ids.begin(), ids.end(), l.id);
+  };
+  for (const Landmark& l : landmarks) {
+    if (is_omitted(l)) map.omitted.push_back({l.id, reason});
+  }
+  landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(), is_omitted), landmarks.end());
+}
+
+/// Notes those of `ids` that are no landmarks of the map.
+void note_missing(const Ids& ids, const std::vector<Landmark>& landmarks, Omission reason,
+                  FinishedMap& map) {
+  std::set<std::int32_t> present;
+  for (const Landmark& l : landmarks) present.insert(l.id);
+  for (const std::int32_t id : ids) {
+    if (present.count(id) == 0) map.omitted.push_back({id, reason});
+  }
+}
+
+Ids ids_of(const std::vector<Landmark>& landmarks) {
+  Ids ids;
+  for (const Landmark& l : landmarks) ids.push_back(l.id);
+  return ids;
+}
+
+void join_long(const FinishConfig& config, GroundOccupancy& ground,
+               std::vector<Landmark>& landmarks) {
+  const StemScatterTest stems(landmarks);
+  const auto is_separate = [&](const Landmark& l) {
+    const bool seen_as_tree = config.has_camera && l.label == detection::Label::kTree;
+    return l.row > 0 || seen_as_tree || stems.contains(l);
+  };
+  const PassageTest passage = [&ground](const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                        double half_depth_m, double clear_m) {
+    return ground.passage(from, to, half_depth_m, clear_m);
+  };
+  landmarks = join_long_objects(
+      std::move(landmarks), config.object_width_max_m, passage,
+      [&ground](const Eigen::Vector2d& p_map) { return ground.is_free(p_map); }, is_separate);
+}
+
+/// Numbers and joins the landmarks that exist.
+FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
+                     const std::vector<Landmark>& standing, GroundOccupancy& ground) {
+  Ids in_hedges;
+  while (true) {
+    FinishedMap map;
+    map.landmarks = standing;
+    if (config.rows.enabled) {
+      std::vector<Landmark> others;
+      std::copy_if(standing.begin(), standing.end(), std::back_inserter(others),
+                   [&](const Landmark& l) {
+                     return !std::binary_search(in_hedges.begin(), in_hedges.end(), l.id);
+                   });
+      number_landmarks(find_rows(others, config.rows), map.landmarks);
+    }
+    const std::vector<Landmark> separate = map.landmarks;
+    omit(mapper.leg_ids(map.landmarks, config.has_camera), Omission::kLeg, map.landmarks, map);
+    const Ids apart = ids_of(map.landmarks);
+    join_long(config, ground, map.landmarks);
+    note_missing(apart, map.landmarks, Omission::kPart, map);
+    if (config.has_camera) return map;
+    const Ids found = trees_of_hedge_rows(separate, map.landmarks);
+    if (found.empty()) return map;
+    in_hedges.insert(in_hedges.end(), found.begin(), found.end());
+    std::sort(in_hedges.begin(), in_hedges.end());
+  }
+}
+
+}  // namespace
+
+std::size_t FinishedMap::num_omitted(Omission reason) const {
+  return static_cast<std::size_t>(
+      std::count_if(omitted.begin(), omitted.end(),
+                    [reason](const OmittedLandmark& l) { return l.reason == reason; }));
+}
+
+FinishedMap finish(const Mapper& mapper, const FinishConfig& config) {
+  const std::shared_ptr<GroundOccupancy> ground = mapper.ground();
+  std::vector<Landmark> standing = mapper.landmarks(config.min_observations);
+  FinishedMap early;
+  note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
+               early);
+  omit(mapper.spurious_ids(*ground), Omission::kSpurious, standing, early);
+  FinishedMap map = numbered(mapper, config, standing, *ground);
+  map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
+  std::sort(map.omitted.begin(), map.omitted.end(),
+            [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });
+  map.rows = numbered_rows(map.landmarks);
+  map.graph = navigation_graph_of(map.landmarks, map.rows, *ground);
+  return map;
+}
+
+NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,
+                                    const std::vector<Row>& rows, GroundOccupancy& ground) {
+  return navigation_graph(
+      landmarks, rows, [&ground](const Eigen::Vector2d& p_map) { return ground.is_free(p_map); });
+}
+
+void number_merged(const RowsConfig& config, std::vector<Landmark>& landmarks) {
+  if (!config.enabled) return;
+  const std::vector<Landmark> known = landmarks;
+  const std::vector<Row> rows = find_rows(landmarks, config);
+  const bool has_numbers =
+      std::any_of(known.begin(), known.end(), [](const Landmark& l) { return l.row != 0; });
+  if (!has_numbers) return number_landmarks(rows, landmarks);
+  IdTransfer kept;
+  keep_numbers(known, rows, landmarks, kept);
+}
+
+}  // namespace orchard::mapping

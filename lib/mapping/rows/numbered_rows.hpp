@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "mapping/rows/rows.hpp"
+
+namespace orchard::mapping {
+
+/// The rows of a numbered map, in order of number.
+///
+/// A function of row, position and place of the trees alone, so that every file, page and message
+/// of a map shows the same rows and empty slots, however it was stored and corrected. Empty slots
+/// lie evenly between the trees on either side. A tree with a row but no position stands between
+/// the trees that it lies between. At most kSlotsMax slots are added to a row, because a map from
+/// outside may hold any numbers.
+std::vector<Row> numbered_rows(const std::vector<Landmark>& landmarks);
+
+inline constexpr int kSlotsMax = 100'000;
+
+/// Numbers trees that were added to a numbered map, those without a row for which `is_added` is
+/// true; nothing else changes.
+///
+/// Such a tree takes the nearest slot within half of a row's spacing, an empty one or one that
+/// continues the row beyond its end. Where the nearest slot holds another tree it gets the row
+/// without a position. A tree beside no row stays without.
+void number_added_trees(std::vector<Landmark>& landmarks,
+                        const std::function<bool(const Landmark& landmark)>& is_added);
+
+}  // namespace orchard::mapping

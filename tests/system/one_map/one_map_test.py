@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One drive has one map. A real drive (pullally_drive_1) is mapped once; map.csv and graph.json are
+compared with everything else that shows the map, each read by a program that is not ours: GDAL, the
+csv and json modules, and the Python types that lcm-gen makes.
+Usage: one_map_test.py BUILD SOURCE DATA."""
+import csv
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BUILD, SOURCE, DATA = sys.argv[1:4]
+RECORDING = DATA + "/pullally_drive_1"
+FIELDS_OF_ROW = ("row", "trees", "gaps")
+
+
+def run(*arguments):
+    return subprocess.run([BUILD + "/bin/orchard", *arguments], check=True, text=True,
+                          stdout=subprocess.PIPE).stdout
+
+
+def table(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def layer(path, name):
+    """The features of a layer as dictionaries, with their lines in the map frame left out."""
+    text = subprocess.run(["ogr2ogr", "-f", "CSV", "/vsistdout/", path, name], check=True, text=True,
+                          stdout=subprocess.PIPE).stdout
+    return list(csv.DictReader(text.splitlines()))
+
+
+def events(path):
+    """(channel, bytes) of each event of an LCM log."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at = 0
+    while at < len(data):
+        sync, _, _, num_name, num_data = struct.unpack_from(">IqqII", data, at)
+        assert sync == 0xEDA1DA01, at
+        at += 28
+        yield data[at:at + num_name].decode(), data[at + num_name:at + num_name + num_data]
+        at += num_name + num_data
+
+
+def rows_of(numbers):
+    """Row -> number of its trees and positions of its gaps, from {id: (row, position)}."""
+    rows = {}
+    for row, position in numbers.values():
+        if row:
+            rows.setdefault(row, []).append(position)
+    gaps = {row: sorted(set(range(min(p), max(p) + 1)) - set(p)) for row, p in rows.items()}
+    return {row: (len(p), gaps[row]) for row, p in sorted(rows.items())}
+
+
+def whole(text):
+    return int(text) if text else 0
+
+
+class OneMap(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="orchard_one_map_")
+        log = cls.folder + "/drive.lcm"
+        run("import", RECORDING, "--out", log)
+        cls.map = cls.folder + "/map"
+        run("map", log, "--config", SOURCE + "/config/pullally.yaml", "--out", cls.map, "--quiet")
+        cls.numbers = {int(t["id"]): (whole(t["row"]), whole(t["position"]))
+                       for t in table(cls.map + "/map.csv")}
+        cls.rows = rows_of(cls.numbers)
+        with open(cls.map + "/graph.json") as file:
+            edges = json.load(file)["edges"]
+        cls.ways = sorted((e["kind"], e.get("row_left", e.get("row")), e.get("row_right", 0),
+                           round(e["width_m"], 2), round(e["length_m"], 1)) for e in edges)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def test_there_is_something_to_agree_on(self):
+        self.assertEqual(len(self.rows), 5)
+        self.assertGreater(len(self.ways), 4)
+
+    def check_layers(self, source):
+        rows = {int(r["row"]): (int(r["trees"]), int(r["gaps"])) for r in source("rows")}
+        self.assertEqual(rows, {row: (n, len(gaps)) for row, (n, gaps) in self.rows.items()})
+        gaps = sorted((int(g["row"]), int(g["position"])) for g in source("gaps"))
+        self.assertEqual(gaps, [(r, g) for r, (_, gaps) in self.rows.items() for g in gaps])
+        numbers = {int(l["id"]): (whole(l["row"]), whole(l["position"])) for l in source("landmarks")}
+        self.assertEqual(numbers, self.numbers)
+        ways = [("alley", int(w["row_left"]), int(w["row_right"])) + self.size_of(w)
+                for w in source("alleys")]
+        ways += [("headland", int(w["row"]), 0) + self.size_of(w) for w in source("headlands")]
+        self.assertEqual(sorted(ways), self.ways)
+
+    @staticmethod
+    def size_of(way):
+        return round(float(way["width_m"]) + 1e-9, 2), round(float(way["length_m"]) + 1e-9, 1)
+
+    def test_map_gpkg(self):
+        self.check_layers(lambda name: layer(self.map + "/map.gpkg", name))
+
+    def export(self, *more):
+        path = self.folder + "/exported.gpkg"
+        run("export", self.map, "--format", "gpkg", "--out", path, "--overwrite", *more)
+        return path
+
+    def test_export(self):
+        path = self.export()
+        self.check_layers(lambda name: layer(path, name))
+
+    def test_map_html(self):
+        with open(self.map + "/map.html") as file:
+            text = file.read()
+        rows = json.JSONDecoder().raw_decode(text, text.index('"rows":[') + 7)[0]
+        self.assertEqual({r["number"]: r["gaps"] and [g[0] for g in r["gaps"]] for r in rows},
+                         {row: gaps for row, (_, gaps) in self.rows.items()})
+        self.assertEqual({r["number"]: len(r["line"]) // 2 for r in rows},
+                         {row: n + len(gaps) for row, (n, gaps) in self.rows.items()})
+        ways = json.JSONDecoder().raw_decode(text, text.index('"ways":[') + 7)[0]
+        self.assertEqual(sorted((w["kind"], round(w["width"], 2)) for w in ways),
+                         sorted((w[0], w[3]) for w in self.ways))
+
+    def test_report(self):
+        run("report", self.map, "--out", self.folder + "/report")
+        rows = {int(r["row"]): (int(r["trees"]), r["empty_positions"].split())
+                for r in table(self.folder + "/report/report.csv") if r["row"] not in ("all", "", "0")}
+        self.assertEqual(rows, {row: (n, [str(g) for g in gaps])
+                                for row, (n, gaps) in self.rows.items()})
+
+    def test_end_of_map_and_ways_on_the_bus(self):
+        sys.path.insert(0, BUILD + "/lcmtypes/python")
+        from orchard import map_tile_t, map_ways_t
+        numbers, ways = {}, []
+        for channel, data in events(self.map + "/derived.lcm"):
+            if channel == "MAP":
+                tile = map_tile_t.decode(data)
+                for l in tile.landmarks:
+                    numbers[l.id] = (l.row, l.position)
+                for removed in tile.removed_ids:
+                    numbers.pop(removed, None)
+            if channel == "MAP_WAYS":
+                ways += [("headland" if w.kind else "alley", w.row_left, w.row_right,
+                          round(w.width_m, 2), round(w.length_m, 1))
+                         for w in map_ways_t.decode(data).ways]
+        self.assertEqual(numbers, self.numbers)
+        self.assertEqual(sorted(ways), self.ways)
+
+    def test_an_unedited_export_is_no_correction(self):
+        told = run("import-edits", self.map, self.export(), "--who", "test")
+        self.assertEqual(told.strip(), "0 corrections")
+
+    def test_a_deletion_changes_one_row(self):
+        edited = self.folder + "/edited"
+        shutil.copytree(self.map, edited)
+        gone = next(i for i, (row, position) in self.numbers.items() if row == 2 and position == 4)
+        run("edit", edited, "delete", str(gone))
+        paths = [self.export()]
+        paths.append(self.folder + "/after.gpkg")
+        run("export", edited, "--format", "gpkg", "--out", paths[1], "--overwrite")
+        before, after = ({f["row"]: f for f in layer(path, "rows")} for path in paths)
+        self.assertEqual([row for row in before if before[row] != after[row]], ["2"])
+        self.assertEqual(after["2"]["gaps"], "1")
+        for name in ("alleys", "headlands", "nodes"):
+            self.assertEqual(layer(paths[0], name), layer(paths[1], name), name)
+
+
+if __name__ == "__main__":
+    if not os.path.isdir(RECORDING):
+        print("no", RECORDING)
+        sys.exit(77)
+    if shutil.which("ogr2ogr") is None:
+        print("no ogr2ogr; install gdal-bin")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1], verbosity=2)

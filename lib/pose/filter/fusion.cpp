@@ -10,6 +10,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/filter/fixes.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
@@ -47,7 +48,7 @@ Fusion::Fusion(const PoseConfig& config)
       positions_(config.gnss),
       is_started_(!config.fusion.use_gnss && !config.fusion.use_fixes),
       is_placed_(is_started_) {
-  if (!is_placed_) smoother_.emplace(config);
+  if (!is_placed_ && config.mode == PoseMode::kFused) smoother_.emplace(config);
 }
 
 void Fusion::add(const Measurement& measurement) {
@@ -188,16 +189,34 @@ void Fusion::start(const PositionObservation& observation) {
     return;
   }
   is_placed_ = true;
-  smoother_->place(geometry::compose(filter().mean().head<3>(),
-                                     geometry::between(local, Eigen::Vector3d::Zero())));
+  if (smoother_) {
+    smoother_->place(geometry::compose(filter().mean().head<3>(),
+                                       geometry::between(local, Eigen::Vector3d::Zero())));
+  }
+  go_back();
 }
 
 void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
                    bool is_gnss) {
-  smoother_->place(
-      geometry::compose(x_y_yaw, geometry::between(path_pose(), Eigen::Vector3d::Zero())));
+  if (smoother_) {
+    smoother_->place(
+        geometry::compose(x_y_yaw, geometry::between(path_pose(), Eigen::Vector3d::Zero())));
+  }
   hypotheses_.place(x_y_yaw, covariance, utime_.value_or(0), is_gnss);
   is_started_ = is_placed_ = true;
+  go_back();
+}
+
+/// Computes the poses before the first known one from the steps that led to it.
+void Fusion::go_back() {
+  FixHypotheses back = hypotheses_;
+  for (; !unplaced_.empty(); unplaced_.pop_back()) {
+    auto [utime, step] = unplaced_.back();
+    step.dt_s = -step.dt_s;
+    back.move(step);
+    if (utime < *utime_) past_.push_back(back.estimate(utime));
+  }
+  std::reverse(past_.begin(), past_.end());
 }
 
 /// Returns the pose for the smoothed path, dead-reckoned before the pose in map is known.
@@ -207,11 +226,16 @@ Eigen::Vector3d Fusion::path_pose() const {
 
 void Fusion::move(const MotionStep& step) {
   hypotheses_.move(step);
-  if (!is_placed_) local_.move(step);
+  if (is_placed_) return;
+  local_.move(step);
+  if (step.dt_s <= 0.0) return;
+  unplaced_.push_back({*utime_, step});
+  while (*utime_ - unplaced_.front().utime > kPastMax_us) unplaced_.pop_front();
 }
 
 void Fusion::smooth(const PositionObservation& observation, std::optional<double> yaw_rad,
                     double yaw_sd_rad) {
+  if (!smoother_) return;
   AbsolutePosition position;
   position.lever_base_m = observation.p_base_m;
   position.p_map = observation.p_map_m;
@@ -250,18 +274,10 @@ void Fusion::add(const PoseFix& fix) {
   if (odometry_) move_to(fix.utime);
   PositionObservation observation;
   observation.p_map_m = {fix.x_m, fix.y_m};
-  const auto& c = fix.covariance;
-  if (c[0] > 0.0 && c[3] > 0.0 && c[1] * c[1] < c[0] * c[3]) {
-    observation.covariance << c[0], c[1], c[1], c[3];
-  } else {
-    observation.covariance =
-        geometry::square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
-  }
-  const double yaw_variance = c[5] > 0.0 ? c[5] : geometry::square(config_.fix_yaw_sd_rad);
-  if (!is_placed_ && fix.has_yaw) {
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    covariance.topLeftCorner<2, 2>() = observation.covariance;
-    covariance(2, 2) = yaw_variance;
+  const Eigen::Matrix3d covariance = fix_covariance(fix, config_);
+  observation.covariance = covariance.topLeftCorner<2, 2>();
+  const double yaw_variance = covariance(2, 2);
+  if ((!is_placed_ || !odometry_) && fix.has_yaw) {
     utime_ = fix.utime;
     place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance, false);
     return;
@@ -309,6 +325,7 @@ void Fusion::move_to(std::int64_t utime) {
     turn.is_gyro = true;
     move(turn);
   }
+  unplaced_.clear();
   note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot is unknown", silent_s));
   utime_ = utime;
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "pose/filter/fix_hypotheses.hpp"
 #include "pose/filter/gnss_monitor.hpp"
@@ -13,21 +16,31 @@
 
 namespace orchard::pose {
 
-/// Localiser of mode `fused`: estimates T_map_base from wheels, IMU, GNSS and fixes.
+/// Localiser of modes `fused`, `fixes_and_odometry` and `odometry`: estimates T_map_base from
+/// wheels, IMU, GNSS and fixes, as configured.
 ///
 /// Map is the east-north plane of the GNSS datum; POSE_FIX must be in this frame, too. Without GNSS
 /// and fixes the robot starts at the map's origin. With them there is no pose until the first fix
-/// with a heading, or until the positions over at least heading_baseline_m give one.
-/// Displaced positions (jumps, reflected signals) are found by FixHypotheses, left out and reported
-/// by warning(), as are those of a frozen receiver. The scatter of a receiver's steps is its noise.
-/// If it clearly exceeds the claimed covariance, it is used instead; if it is less, the difference
-/// is a time-correlated error, so that a burst of fixes counts little more than one fix.
+/// with a heading, or until the positions over at least heading_baseline_m give one; the way there
+/// is told afterwards. Without wheels each fix with a heading is a pose by itself. Mode `fused`
+/// also smooths the path. Displaced positions (jumps, reflected signals) are found by
+/// FixHypotheses, left out and reported by warning(), as are those of a frozen receiver. The
+/// scatter of a receiver's steps is its noise. If it clearly exceeds the claimed covariance, it is
+/// used instead; if it is less, the difference is a time-correlated error, so that a burst of fixes
+/// counts little more than one fix.
 class Fusion : public Localiser {
  public:
   explicit Fusion(const PoseConfig& config);
 
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override;
+
+  /// Returns the path up to the first known pose, at most the last kPastMax_us and one
+  /// step, without a gap.
+  std::vector<PoseEstimate> take_past_poses() override { return std::exchange(past_, {}); }
+
+  static constexpr std::int64_t kPastMax_us = 60'000'000;
+
   std::optional<Trajectory> take_correction() override;
   void finish() override;
   std::string warning() const override;
@@ -49,6 +62,7 @@ class Fusion : public Localiser {
   void use_position(const PositionObservation& observation);
   void start(const PositionObservation& observation);
   void move(const MotionStep& step);
+  void go_back();
   Eigen::Vector3d path_pose() const;
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance, bool is_gnss);
   void smooth(const PositionObservation& observation, std::optional<double> yaw_rad = std::nullopt,
@@ -65,7 +79,7 @@ class Fusion : public Localiser {
   FusionFilter local_;  ///< dead reckoning from the robot's start, until the pose in map is known
   GnssPositions positions_;
   GnssMonitor monitor_;
-  std::optional<PathSmoother> smoother_;  ///< if GNSS or fixes are used
+  std::optional<PathSmoother> smoother_;  ///< of mode fused, if GNSS or fixes are used
   bool is_started_ = false;  ///< the filter's frame is map; else it starts at the robot's start
   bool is_placed_ = false;   ///< the pose in map is known
   std::optional<Eigen::Vector2d> first_local_m_;  ///< of the first position, dead-reckoned
@@ -74,6 +88,13 @@ class Fusion : public Localiser {
   std::optional<Odometry> odometry_;
   std::optional<Imu> imu_;
   double travel_m_ = 0.0;  ///< since the last GNSS fix
+
+  struct PastStep {
+    std::int64_t utime;  ///< before the step
+    MotionStep step;
+  };
+  std::deque<PastStep> unplaced_;  ///< without a gap, while the pose is unknown
+  std::vector<PoseEstimate> past_;
 
   struct LastFix {
     std::int64_t utime;

@@ -57,6 +57,10 @@ double bent_variance(const Eigen::Vector2d& covariance) { return 0.75 * covarian
 }  // namespace
 
 FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
+  if (!config.learns_wheels) {
+    changes_ = {0.0, 0.0, changes_.slip_travel_m, changes_.turn_slip_travel_m, 0.0};
+    return;
+  }
   covariance_(kScale, kScale) = geometry::square(config.speed_scale_sd);
   covariance_(kCurvature, kCurvature) = geometry::square(kCurvatureSd_per_m);
   covariance_(kGyroBias, kGyroBias) = geometry::square(kGyroBiasSd_radps);
@@ -74,7 +78,7 @@ Eigen::Vector3d FusionFilter::sensor_errors() const {
 }
 
 void FusionFilter::move(const MotionStep& step) {
-  const double dt_s = step.dt_s;
+  const double dt_s = step.dt_s, duration_s = std::abs(dt_s);
   const double wheels_m = step.speed_mps * dt_s;
   const double length_m = (1.0 + mean_(kScale) + mean_(kSlip)) * wheels_m;
   const double measured_rad = step.yaw_rate_radps * dt_s;
@@ -110,7 +114,7 @@ void FusionFilter::move(const MotionStep& step) {
   // Time-correlated errors are Ornstein-Uhlenbeck processes: a decay here, new noise below.
   const double slip_kept = std::exp(-std::abs(wheels_m) / changes_.slip_travel_m);
   const double turn_slip_kept = std::exp(-std::abs(wheels_m) / changes_.turn_slip_travel_m);
-  const double receiver_kept = std::exp(-dt_s / kReceiverMemory_s);
+  const double receiver_kept = std::exp(-duration_s / kReceiverMemory_s);
   Vector kept = Vector::Ones();
   kept(kSlip) = slip_kept;
   kept(kTurnSlip) = turn_slip_kept;
@@ -122,15 +126,17 @@ void FusionFilter::move(const MotionStep& step) {
   G.block<2, 1>(0, 0) = chord * along;
   G.block<2, 1>(0, 1) = 0.5 * length_m * chord * across;
   G(kYaw, 1) = 1.0;
-  const Eigen::Vector2d noise(geometry::square(step.speed_sd_mps) * kNoiseTime_s * dt_s,
-                              geometry::square(step.yaw_rate_sd_radps) * kNoiseTime_s * dt_s);
+  const double noise_s2 = (config_.learns_wheels ? kNoiseTime_s : duration_s) * duration_s;
+  const Eigen::Vector2d noise(geometry::square(step.speed_sd_mps) * noise_s2,
+                              geometry::square(step.yaw_rate_sd_radps) * noise_s2);
   covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
-  const double walk = geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m);
+  const double walk =
+      config_.learns_wheels ? geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m) : 0.0;
   covariance_(kScale, kScale) += walk;
   covariance_(kTurnScale, kTurnScale) += walk;
   covariance_(kCurvature, kCurvature) +=
       geometry::square(changes_.curvature_walk) * std::abs(length_m);
-  covariance_(kGyroBias, kGyroBias) += geometry::square(kGyroWalk_radps_per_sqrt_s) * dt_s;
+  covariance_(kGyroBias, kGyroBias) += geometry::square(kGyroWalk_radps_per_sqrt_s) * duration_s;
   covariance_(kSlip, kSlip) +=
       (1.0 - geometry::square(slip_kept)) * geometry::square(changes_.slip_sd);
   covariance_(kTurnSlip, kTurnSlip) +=

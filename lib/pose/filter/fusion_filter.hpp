@@ -12,7 +12,7 @@ inline constexpr double kGyroBiasSd_radps = 0.02;
 
 /// Measured motion of base over a short time.
 struct MotionStep {
-  double dt_s = 0.0;
+  double dt_s = 0.0;            ///< negative: back to where the robot came from
   double speed_mps = 0.0;       ///< by the wheels
   double yaw_rate_radps = 0.0;  ///< by the wheels or the gyro
   double speed_sd_mps = 0.0;

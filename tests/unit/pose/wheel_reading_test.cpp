@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "pose/filter/fusion.hpp"
-#include "pose/filter/pose_estimator.hpp"
+#include "pose/make_localiser.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 
@@ -54,7 +54,7 @@ void follows(const std::function<std::unique_ptr<Localiser>()>& make) {
 TEST(WheelReading, OfModeOdometry) {
   PoseConfig config;
   config.mode = PoseMode::kOdometry;
-  follows([&] { return std::make_unique<PoseEstimator>(config); });
+  follows([&] { return make_localiser(config); });
 }
 
 TEST(WheelReading, OfModeFused) {
@@ -76,13 +76,13 @@ TEST(WheelReading, OfModePriorMap) {
 TEST(WheelReading, OfTheWayBeforeTheFirstFix) {
   PoseConfig config;
   config.mode = PoseMode::kFixesAndOdometry;
-  PoseEstimator estimator(config);
-  for (int i = 0; i <= 45; ++i) estimator.add(reading(i, false));
+  const auto estimator = make_localiser(config);
+  for (int i = 0; i <= 45; ++i) estimator->add(Measurement(reading(i, false)));
   PoseFix fix;
   fix.utime = utime_at(45 * kPeriod_s);
   fix.x_m = way_at(45 * kPeriod_s);
-  estimator.add(fix);
-  const auto past = estimator.take_past_poses();
+  estimator->add(Measurement(fix));
+  const auto past = estimator->take_past_poses();
   ASSERT_EQ(past.size(), 45u);
   for (int i = 0; i < 45; ++i) EXPECT_NEAR(past[i].x_m, way_at(i * kPeriod_s), 1e-6) << i;
 }

@@ -103,10 +103,8 @@ void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior
     if (k == w.first) Q += F * P_base * F.transpose();
     problem.add_motion(k, Q, k > w.first);
     problem.add_positions(k);
-    for (const SlamObservation& o : keyframe.observations) {
-      if (w.landmarks.count(o.landmark) != 0) problem.add_observation(k, o);
-    }
   }
+  problem.add_observations(w.first, w.newest, w.landmarks);
   problem.add_receiver_errors();
   const std::vector<RelativePose>& relative = graph.relative_poses;
   for (auto r = relative.rbegin(); r != relative.rend() && r->to >= w.first; ++r) {

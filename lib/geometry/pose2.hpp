@@ -12,7 +12,7 @@
 /// yaw [rad]) that their covariances refer to; elsewhere Pose2 names the three numbers.
 ///
 /// Why not mrpt::poses::CPose2D: README.md gives the reasons and figures. The test composes poses
-/// and covariances with both and compares the results.
+/// with both and compares the results.
 namespace orchard::geometry {
 
 /// T_a_b; the pose T_map_base where the name says nothing else.
@@ -100,16 +100,6 @@ inline Eigen::Matrix3d compose_jacobian_second(const Eigen::Vector3d& T_a_b) {
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   F.topLeftCorner<2, 2>() = rotation(T_a_b.z());
   return F;
-}
-
-/// Covariance of T_a_b * T_b_c when the errors of the two are independent.
-inline Eigen::Matrix3d compose_covariance(const Eigen::Vector3d& T_a_b, const Eigen::Matrix3d& P_ab,
-                                          const Eigen::Vector3d& T_b_c,
-                                          const Eigen::Matrix3d& P_bc) {
-  const Eigen::Matrix3d F1 = compose_jacobian_first(T_a_b, T_b_c);
-  const Eigen::Matrix3d F2 = compose_jacobian_second(T_a_b);
-  const Eigen::Matrix3d P = F1 * P_ab * F1.transpose() + F2 * P_bc * F2.transpose();
-  return 0.5 * (P + P.transpose());
 }
 
 /// Rotates the covariance (xx, xy, yy) of a point by an angle [rad].

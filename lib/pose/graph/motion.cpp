@@ -3,10 +3,10 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/arc_motion.hpp"
+#include "pose/compose_covariance.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::compose_covariance;
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
 

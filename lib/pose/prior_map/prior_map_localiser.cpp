@@ -8,13 +8,13 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "pose/compose_covariance.hpp"
 #include "pose/prior_map/decision_thresholds.hpp"
 #include "text/number_text.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::compose_covariance;
 
 namespace {
 

@@ -4,10 +4,10 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "pose/compose_covariance.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
-using geometry::compose_covariance;
 
 void ScanOdometry::add(const Measurement& measurement) {
   const auto* scan = std::get_if<laser::Scan>(&measurement);

@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "pose/compose_covariance.hpp"
 #include "pose/slam/association.hpp"
 #include "pose/slam/local_map.hpp"
 #include "pose/slam/occlusion.hpp"
 
 namespace orchard::pose {
 using geometry::between;
-using geometry::compose_covariance;
 using geometry::compose_jacobian_second;
 using geometry::inverse_transform;
 

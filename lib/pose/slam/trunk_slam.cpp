@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/pose2.hpp"
+#include "pose/compose_covariance.hpp"
 #include "pose/filter/displaced_fixes.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/joint_covariance.hpp"
@@ -14,7 +15,6 @@
 namespace orchard::pose {
 using geometry::between;
 using geometry::compose;
-using geometry::compose_covariance;
 
 namespace {
 

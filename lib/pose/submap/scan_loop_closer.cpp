@@ -33,7 +33,7 @@ constexpr double kAskEvery_m = 5.0;
 constexpr double kAskSd_m = 0.10;
 
 /// Search window in standard deviations of the pose.
-constexpr double kSearchSigmas = 4.0;
+constexpr double kWindowSigmas = 4.0;
 
 /// Limits of the search window; the minimum includes rivals one tree or row away.
 constexpr double kSearchMin_m = 4.0;
@@ -198,7 +198,7 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
   const std::vector<Keyframe>& keyframes = map.graph.keyframes;
   const Keyframe& now = keyframes.back();
   const double sd_m = position_sd_m(now.covariance);
-  const double window_m = std::clamp(kSearchSigmas * sd_m, kSearchMin_m, kSearchMax_m);
+  const double window_m = std::clamp(kWindowSigmas * sd_m, kSearchMin_m, kSearchMax_m);
   const auto ago_m = [&](int k) { return now.travel_m - keyframes[k].travel_m; };
   std::vector<int> recent, old;
   bool is_back = false;
@@ -238,7 +238,7 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
   PoseSearchWindow window;
   window.T_map_submap = now.T_map_base;
   window.half_side_m = window_m;
-  window.half_turn_rad = std::clamp(kSearchSigmas * std::sqrt(std::max(0.0, now.covariance(2, 2))),
+  window.half_turn_rad = std::clamp(kWindowSigmas * std::sqrt(std::max(0.0, now.covariance(2, 2))),
                                     kSearchTurnMin_rad, kSearchTurnMax_rad);
   const PoseSearchResult place =
       find_submap_pose(points, raster, window, kSame_m, kSame_rad, kLead);

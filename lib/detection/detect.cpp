@@ -170,11 +170,6 @@ void decide(Detection& d, double roc_tree, const Rig& rig) {
   d.label = label_of(roc_tree, rig.detector.tree_threshold);
 }
 
-AdaptationObservation judge_candidate(const Detection& d,
-                                      const std::optional<vision::WindowLight>& light) {
-  return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
-}
-
 /// Whether the camera could still make a tree of an object that the laser rejects by its width.
 /// With Decision::kProbability the width is one feature among others: the surest answer of a camera
 /// is tried, and if even that leaves the object below tree_min, no picture needs to be read.
@@ -218,7 +213,8 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
       config.segmentation.reflector != laser::ReflectorUse::kIgnored && !scan.has_intensities();
   findings.beam_period_s = 1e-6 * scan.beam_period_us;
   std::vector<Detection>& trunks = findings.detections.trunks;
-  const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser);
+  const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser,
+                                       config.roc_laser_threshold);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
     const bool stands = stands_by_reflector(segment, scan, config);
@@ -283,14 +279,6 @@ DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* pic
   auto pixels = fits_camera(picture->image(), rig) ? picture->read(reading) : std::nullopt;
   result.image_unusable = !pixels.has_value();
   if (!pixels) return result;
-  // Measure the light in the camera's own colours, before the gains are applied.
-  std::vector<std::optional<vision::WindowLight>> lights(views.size());
-  if (rig.detector.adaptation.enabled) {
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      if (views[i]) lights[i] = vision::window_light(*pixels, views[i]->centre);
-    }
-  }
-  vision::apply(rig.light_gains, *pixels);
   if (rig.detector.colour_model == ColourModel::kAppearance) vision::normalise_exposure(*pixels);
   Pixels seen{std::move(*pixels), windows, std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -299,9 +287,6 @@ DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* pic
     const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
-    const bool adapts = d.occlusion == 0 && d.roc_laser >= rig.detector.roc_laser_threshold;
-    if (rig.detector.adaptation.enabled && adapts)
-      result.observations.push_back(judge_candidate(d, lights[i]));
   }
   return result;
 }

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "detection/adaptation/adaptation.hpp"
 #include "detection/detection.hpp"
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"
@@ -38,8 +37,6 @@ struct DetectResult {
   bool image_needed = false;         ///< a candidate is in the camera's view
   bool image_unusable = false;       ///< needed, but it does not decode or has another size
   bool intensities_missing = false;  ///< as in LaserFindings
-  /// Observations of candidates; empty unless adaptation is enabled.
-  std::vector<AdaptationObservation> observations;
 };
 
 /// The laser's half of the detector: segmentation and width test. Complete for a rig without a

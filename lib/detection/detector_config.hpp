@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "detection/adaptation/adaptation_config.hpp"
 #include "detection/consistency_config.hpp"
 #include "detection/probability_config.hpp"
 #include "laser/segmentation_config.hpp"
@@ -32,7 +31,7 @@ struct DetectorConfig {
   vision::ColourConfig colour;
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
-  double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
+  double roc_laser_threshold = laser::kThreeSigmaRoc;  ///< the paper's ROC_th
   double visible_fraction_min = 1.0;  ///< min visible fraction for a half-hidden trunk to be judged
   double colour_weight = 0.6;         ///< roc_vision = w colour + (1 - w) edges
   double laser_weight = 0.5;          ///< roc_tree = w laser + (1 - w) vision
@@ -44,7 +43,6 @@ struct DetectorConfig {
   /// Compensates the motion from each beam's time to the exposure by ODOMETRY; scans then wait for
   /// ODOMETRY, too.
   bool use_odometry = false;
-  AdaptationConfig adaptation;
   ConsistencyConfig extrinsics_monitor;
 };
 
@@ -89,7 +87,6 @@ void describe(Visitor& v, DetectorConfig& c) {
           "must not be above image_wait_s, otherwise the picture comes too late");
   v.flag("use_odometry", c.use_odometry,
          "compensate the motion of the robot between beam and picture by ODOMETRY");
-  v.section("adaptation", c.adaptation, "adaptation of the models while driving");
   v.expert().section("extrinsics_monitor", c.extrinsics_monitor,
                      "monitor of the laser-camera extrinsics");
 }

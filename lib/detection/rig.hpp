@@ -6,7 +6,6 @@
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
 #include "laser/laser_config.hpp"
-#include "vision/appearance/light.hpp"
 
 namespace orchard::detection {
 
@@ -27,7 +26,6 @@ struct Rig {
   geometry::LaserToCamera T_camera_laser;
   double camera_delay_s = 0.0;  ///< exposure = an image's utime - camera_delay_s
   DetectorConfig detector;
-  vision::ChannelGains light_gains;  ///< correct images to the light of the calibration
 };
 
 }  // namespace orchard::detection

@@ -14,9 +14,6 @@
 namespace orchard::laser {
 namespace {
 
-/// roc_laser at three standard deviations; the default of detector.roc_laser_threshold.
-constexpr double kRocOfTrunks = 0.0111;
-
 /// Whether a single-beam candidate is a mixed pixel between the surfaces on both sides.
 bool is_mixed(const Beams& beams, const Candidate& candidate) {
   const float before_m = beams.range_around_m(candidate.first - 1);
@@ -28,7 +25,8 @@ bool is_mixed(const Beams& beams, const Candidate& candidate) {
 }  // namespace
 
 std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segmentation,
-                             const WidthConfig& width, const LaserConfig& laser) {
+                             const WidthConfig& width, const LaserConfig& laser,
+                             double trunk_roc_min) {
   std::vector<Segment> segments;
   if (scan.ranges_m.empty() || !std::isfinite(scan.bearing_step_rad) ||
       scan.bearing_step_rad == 0.0 || !std::isfinite(scan.bearing_min_rad)) {
@@ -46,7 +44,7 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
   if (beams.has_bright()) {
     cut_at_bright(beams, candidates, [&](const Candidate& candidate) {
       const Segment s = measured(candidate);
-      return roc_laser(s.width_m, s.range_m, scan.bearing_step_rad, width) >= kRocOfTrunks;
+      return roc_laser(s.width_m, s.range_m, scan.bearing_step_rad, width) >= trunk_roc_min;
     });
   }
   for (const Candidate& candidate : candidates) {

@@ -71,9 +71,11 @@ struct Segment {
 ///
 /// Width: `paper` is eq. 8 with its root. `compensated` adds the beam step that eq. 8 loses on
 /// average to the angle, and uses all ranges instead of the two noisy ones at the edges. `laser`
-/// gives the range noise for the circle fit and the spot size.
+/// gives the range noise for the circle fit and the spot size. `trunk_roc_min`: roc_laser from
+/// which an object with a reflector is a trunk that wears it, and is not divided.
 std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segmentation,
-                             const WidthConfig& width, const LaserConfig& laser = {});
+                             const WidthConfig& width, const LaserConfig& laser = {},
+                             double trunk_roc_min = kThreeSigmaRoc);
 
 /// Standard deviation of a measured width about the mean mu [m]: the trees' own scatter (with a
 /// floor) plus a part proportional to range x beam step.

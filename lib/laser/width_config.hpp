@@ -3,6 +3,9 @@
 
 namespace orchard::laser {
 
+/// roc_laser (eq. 10) at three standard deviations: exp(-4.5).
+inline constexpr double kThreeSigmaRoc = 0.011108996538242306;
+
 enum class WidthMode {
   kCompensated,  ///< unbiased: adds the beam step that the chord loses on average
   kPaper,        ///< the chord of Shalal et al. 2013, eq. 8 (with its root)

@@ -41,8 +41,7 @@ class PrecomputedDetections : public bus::Precomputation {
 };
 
 /// Predicts the detector's work from the inputs alone: the pairing of scans with pictures and
-/// motions depends on nothing else, and neither do the results. Not used with adaptation, where
-/// each result depends on the scans before it.
+/// motions depends on nothing else, and neither do the results.
 class DetectionPrecomputer {
  public:
   /// Both rigs must outlive this object and its results; `rear_rig` may be null.

@@ -28,16 +28,11 @@ DetectorNode::DetectorNode(const io::Config& config)
                      std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)),
       has_wheels_(has_wheels(config)),
       health_(config) {
-  if (config.detector.adaptation.enabled && rig_.has_camera) {
-    adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
-  }
   if (config.laser_rear.enabled) {
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
     joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
   }
-  if (!adaptation_) {
-    precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
-  }
+  precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
 }
 
 std::vector<bus::Channel> DetectorNode::inputs() const {
@@ -57,8 +52,8 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
     if (!rig_.has_camera) {
       return send_result(detect_alone(*scan, rig_), detection::turn_us(*scan), send);
     }
-    findings_.push_back({std::nullopt, width_model_});
-    if (!precomputed_) findings_.back().laser = detection::find_by_laser(*scan, rig_);
+    findings_.emplace_back();
+    if (!precomputed_) findings_.back() = detection::find_by_laser(*scan, rig_);
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
@@ -106,7 +101,7 @@ std::string DetectorNode::warning() const {
 }
 
 std::unique_ptr<bus::Precomputation> DetectorNode::precompute(const bus::Message& input) {
-  return precomputer_ ? precomputer_->precompute(input) : nullptr;
+  return precomputer_->precompute(input);
 }
 
 void DetectorNode::use_precomputed(std::unique_ptr<bus::Precomputation> precomputed) {
@@ -121,7 +116,7 @@ detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
 }
 
 JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
-  Findings findings = std::move(findings_.front());
+  std::optional<detection::LaserFindings> findings = std::move(findings_.front());
   findings_.pop_front();
   std::optional<double> edge_reach_px;
   if (pair.image && monitor_.is_due(pair.scan.utime)) edge_reach_px = edge_reach_px_;
@@ -129,12 +124,8 @@ JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
     PrecomputedDetections::Pair& precomputed = precomputed_->pairs[num_precomputed_used_++];
     if (precomputed.is_of(pair, edge_reach_px)) return std::move(precomputed.judged);
   }
-  // Earlier scans may have changed the width model after this scan arrived: find again with the
-  // current one.
-  if (!findings.laser || findings.width_model != width_model_) {
-    findings.laser = detection::find_by_laser(pair.scan, rig_);
-  }
-  return judge_pair(std::move(*findings.laser), pair, rig_, edge_reach_px);
+  if (!findings) findings = detection::find_by_laser(pair.scan, rig_);
+  return judge_pair(*std::move(findings), pair, rig_, edge_reach_px);
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
@@ -147,23 +138,7 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   if (judged.edge_offsets_px) monitor_.add(pair.scan.utime, *judged.edge_offsets_px);
   detection::DetectResult& result = judged.result;
   if (result.image_needed) health_.note_needed_picture(*pair.image, !result.image_unusable);
-  const std::int64_t utime = result.detections.utime;
-  const auto observations = std::move(result.observations);
   send_result(std::move(result), detection::turn_us(pair.scan), send);
-  adapt(utime, observations, send);
-}
-
-void DetectorNode::adapt(std::int64_t utime,
-                         const std::vector<detection::AdaptationObservation>& observations,
-                         const bus::Outbox& send) {
-  if (!adaptation_) return;
-  const auto steps = adaptation_->add(utime, observations);
-  if (steps.empty()) return;
-  const detection::AdaptedModel& model = adaptation_->model();
-  if (rig_.detector.width.mean_m != model.width_mean_m) ++width_model_;
-  rig_.detector.width.mean_m = model.width_mean_m;
-  rig_.light_gains = detection::light_correction_gains(model.light);
-  for (const auto& step : steps) send(step);
 }
 
 void DetectorNode::send_result(detection::DetectResult result, std::int64_t turn_us,

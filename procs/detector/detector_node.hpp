@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "bus/node/node.hpp"
-#include "detection/adaptation/adaptation.hpp"
 #include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
 #include "detection/rear_joiner.hpp"
@@ -29,9 +28,6 @@ namespace orchard::procs {
 /// inputs (InputHealth) and a lasting disagreement of laser and image edges
 /// (detector.extrinsics_monitor).
 ///
-/// With detector.adaptation.enabled each scan is classified with the models adapted from the scans
-/// before it, in whatever order the channels arrive; ADAPTATION reports each change.
-///
 /// With laser_rear.enabled the detections of SCAN.rear are joined with those of SCAN into one
 /// message; odometry, where the rig has it, compensates the motion between the two scans.
 class DetectorNode : public bus::Node {
@@ -51,17 +47,9 @@ class DetectorNode : public bus::Node {
   std::string warning() const override;
 
  private:
-  /// Laser findings of a scan and the version of the width model they were made with; without
-  /// findings when they were computed ahead of their turn.
-  struct Findings {
-    std::optional<detection::LaserFindings> laser;
-    std::int64_t width_model = 0;
-  };
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
   JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
-  void adapt(std::int64_t utime, const std::vector<detection::AdaptationObservation>& observations,
-             const bus::Outbox& send);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
@@ -69,12 +57,11 @@ class DetectorNode : public bus::Node {
   std::optional<detection::Rig> rear_rig_;  ///< the camera does not see its scans
   std::optional<detection::RearJoiner> joiner_;
   detection::ScanImagePairer pairer_;
-  std::deque<Findings> findings_;  ///< one per scan in pairer_, in the same order
+  /// One per scan in pairer_, in the same order; none when computed ahead of its turn.
+  std::deque<std::optional<detection::LaserFindings>> findings_;
   std::optional<DetectionPrecomputer> precomputer_;
   std::unique_ptr<PrecomputedDetections> precomputed_;  ///< for the input being handled
   std::size_t num_precomputed_used_ = 0;                ///< pairs of precomputed_ used so far
-  std::optional<detection::Adaptation> adaptation_;
-  std::int64_t width_model_ = 0;  ///< version of the width model
   std::int32_t next_seq_ = 0;
   std::int64_t num_unusable_ = 0;     ///< unusable pictures, and scans without intensities
   bool intensities_missing_ = false;  ///< of the newest scan answered

@@ -12,9 +12,9 @@ namespace {
 /// The logged rig, with this release's defaults for keys that an older release did not have.
 std::string completed(const bus::LoggedRig& rig) {
   try {
-    return io::effective_config(io::parse_config(rig.yaml, ""));
+    return io::effective_config(io::parse_recorded_config(rig.yaml, "").config);
   } catch (const io::ConfigError&) {
-    return rig.yaml;  // has a key of another release: compare verbatim
+    return rig.yaml;  // has a value that this release refuses: compare verbatim
   }
 }
 
@@ -26,7 +26,9 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
     const std::string file = logs.names();
     const std::string name = "the rig in " + file;
     try {
-      return {io::parse_config(rig.yaml, name), name, {}};
+      io::RecordedConfig recorded = io::parse_recorded_config(rig.yaml, name);
+      for (std::string& note : recorded.notes) note = name + ": " + note;
+      return {std::move(recorded.config), name, std::move(recorded.notes)};
     } catch (const io::ConfigError& error) {
       std::vector<std::string> problems = error.problems();
       problems.push_back(
@@ -35,8 +37,7 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
       throw io::ConfigError(std::move(problems));
     }
   }
-  io::LoadedConfig loaded = io::load_config_with_warnings(config_path);
-  ReplayRig chosen{std::move(loaded.config), config_path, std::move(loaded.warnings)};
+  ReplayRig chosen{io::load_config(config_path), config_path, {}};
   const std::string given = io::effective_config(chosen.config);
   std::vector<io::ConfigDifference> of_first;  // the first rig of the log is compared
   for (const bus::LoggedRig& rig : bus::read_logged_rigs(logs)) {

@@ -119,7 +119,6 @@ set_key "$work/rig.yaml" mapper evidence labels
 set_key "$work/rig.yaml" mapper min_observations 1
 set_key "$work/rig.yaml" mapper merge_m 0.10
 set_key "$work/rig.yaml" mapper deskew_pose_gap_max_s 0
-set_key "$work/rig.yaml" detector.adaptation enabled false
 set_key "$work/rig.yaml" detector.segmentation merge_occluded_beams 0
 set_key "$work/rig.yaml" detector.segmentation split_touching false
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 1000
@@ -142,8 +141,6 @@ judge "probability"
 set_key "$work/rig.yaml" mapper min_observations 4
 set_key "$work/rig.yaml" mapper merge_m 0.05
 judge "landmarks seen four times, and 5 cm apart"
-set_key "$work/rig.yaml" detector.adaptation enabled true
-judge "adaptation"
 
 how="seeds $first-$last, $([ "$seconds" = 0 ] && echo "whole drives" || echo "the first $seconds s of each drive"); models from $drives drives of seeds 1001 and up, as long"
 text="| rules so far, and | precision | recall | F1 per observation | F1 per landmark | centre at 3-4 m (mm RMS) |

@@ -23,7 +23,7 @@ for line in open(sys.argv[1]):
     if left_out is not None and line.strip() and indent <= left_out:
         left_out = None
     key = line.strip().split(':')[0]
-    if line.startswith('  ') and key in ('probability', 'appearance', 'adaptation', 'colour'):
+    if line.startswith('  ') and key in ('probability', 'appearance', 'colour'):
         left_out = indent
     if left_out is None and key not in ('colour_model', 'decision') and not key.startswith('evidence'):
         kept.append(line)

@@ -23,14 +23,13 @@ enum class Channel : std::int8_t {
   kConfig = 9,
   kAck = 10,
   kReplay = 11,
-  kAdaptation = 12,
+  kMapWays = 12,
   kImu = 13,
   kTrajectory = 14,
   kScanRear = 15,
-  kMapWays = 16,
 };
 
-inline constexpr std::size_t kNumChannels = 17;
+inline constexpr std::size_t kNumChannels = 16;
 
 /// Purpose of a channel, which decides how a replay treats it.
 enum class Role {
@@ -60,11 +59,10 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kConfig, "CONFIG", "config_t", Role::kService},
     {Channel::kAck, "ACK", "ack_t", Role::kService},
     {Channel::kReplay, "REPLAY", "replay_t", Role::kService},
-    {Channel::kAdaptation, "ADAPTATION", "adaptation_t", Role::kDerived},
+    {Channel::kMapWays, "MAP_WAYS", "map_ways_t", Role::kDerived},
     {Channel::kImu, "IMU", "imu_t", Role::kSource},
     {Channel::kTrajectory, "TRAJECTORY", "trajectory_t", Role::kDerived},
     {Channel::kScanRear, "SCAN.rear", "scan_t", Role::kSource},
-    {Channel::kMapWays, "MAP_WAYS", "map_ways_t", Role::kDerived},
 }};
 
 constexpr const ChannelInfo& info(Channel channel) {

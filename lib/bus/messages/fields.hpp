@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "bus/messages/message.hpp"
-#include "detection/adaptation/adaptation_fields.hpp"
 #include "detection/detection_fields.hpp"
 #include "laser/scan_fields.hpp"
 #include "mapping/finish/map_ways_fields.hpp"

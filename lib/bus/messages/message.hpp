@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "bus/messages/channel.hpp"
-#include "detection/adaptation/adaptation_step.hpp"
 #include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "mapping/finish/map_ways.hpp"
@@ -20,14 +19,13 @@ namespace orchard::bus {
 /// A message that a node reads or writes. The type held determines the channel.
 using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
                              pose::PoseEstimate, detection::Detections, mapping::MapTile,
-                             detection::AdaptationStep, pose::Imu, pose::TrajectoryPage,
-                             laser::RearScan, mapping::MapWays>;
+                             mapping::MapWays, pose::Imu, pose::TrajectoryPage, laser::RearScan>;
 
 /// Channel of the alternative with this index in Message. The alternatives are in the order of
 /// Channel, without the service channels.
 constexpr Channel channel_of_alternative(std::size_t index) {
   constexpr auto kFirstService = static_cast<std::size_t>(Channel::kStatus);
-  constexpr auto kAfterService = static_cast<std::size_t>(Channel::kAdaptation);
+  constexpr auto kAfterService = static_cast<std::size_t>(Channel::kMapWays);
   return static_cast<Channel>(index < kFirstService ? index
                                                     : index - kFirstService + kAfterService);
 }

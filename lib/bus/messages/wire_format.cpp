@@ -5,7 +5,6 @@
 #include <string>
 
 #include "orchard/ack_t.hpp"
-#include "orchard/adaptation_t.hpp"
 #include "orchard/config_t.hpp"
 #include "orchard/detections_t.hpp"
 #include "orchard/detections_v2_t.hpp"
@@ -48,11 +47,10 @@ const WireFormat& format_of(Channel channel) {
       {config_t::getHash(), kMiB},
       {ack_t::getHash(), kMiB},
       {replay_t::getHash(), kKiB},
-      {adaptation_t::getHash(), kKiB},
+      {map_ways_t::getHash(), kMiB},
       {imu_t::getHash(), kKiB},
       {trajectory_t::getHash(), 64 * kKiB},
       {scan_t::getHash(), kMiB},
-      {map_ways_t::getHash(), kMiB},
   }};
   return formats[static_cast<std::size_t>(channel)];
 }

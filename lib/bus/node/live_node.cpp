@@ -58,9 +58,9 @@ const char* publisher_of(Channel channel) {
     case Channel::kTrajectory:
       return "orchard-pose";
     case Channel::kDetections:
-    case Channel::kAdaptation:
       return "orchard-detector";
     case Channel::kMap:
+    case Channel::kMapWays:
       return "orchard-mapper";
     default:
       return "another process";

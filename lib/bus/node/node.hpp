@@ -52,7 +52,7 @@ class Node {
   /// How much the node depends on one of its inputs().
   virtual InputNeed need_of(Channel channel) const {
     const bool occasional = channel == Channel::kTrajectory || channel == Channel::kPoseFix ||
-                            channel == Channel::kAdaptation;
+                            channel == Channel::kMapWays;
     return occasional ? InputNeed::kOccasional : InputNeed::kRequired;
   }
 

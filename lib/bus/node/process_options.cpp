@@ -39,7 +39,7 @@ std::string_view version() { return ORCHARD_VERSION; }
 bool load_config(const std::string& program, const std::string& path, io::ConfigFile& config) {
   if (path.empty()) return true;
   try {
-    for (const std::string& warning : config.load(path)) spdlog::warn("{}", warning);
+    config.load(path);
     return true;
   } catch (const io::ConfigError& error) {
     for (const std::string& problem : error.problems()) std::cerr << problem << "\n";

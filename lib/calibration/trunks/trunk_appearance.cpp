@@ -97,25 +97,4 @@ std::vector<std::optional<double>> trunk_scores(const std::vector<TrunkObservati
   return scores;
 }
 
-std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
-                                               const TrunkModel& model) {
-  std::vector<double> blue, red, green;
-  for (const ObservedObject& seen : model.objects) {
-    std::vector<double> of_object[3];
-    for (const std::size_t i : seen.observations) {
-      if (!seen.is_trunk || !observations[i].light) continue;
-      of_object[0].push_back(observations[i].light->blue);
-      of_object[1].push_back(observations[i].light->red);
-      of_object[2].push_back(observations[i].light->green);
-    }
-    if (of_object[0].empty()) continue;
-    blue.push_back(geometry::median(std::move(of_object[0])));
-    red.push_back(geometry::median(std::move(of_object[1])));
-    green.push_back(geometry::median(std::move(of_object[2])));
-  }
-  if (blue.empty()) return std::nullopt;
-  return vision::WindowLight{geometry::median(std::move(blue)), geometry::median(std::move(red)),
-                             geometry::median(std::move(green))};
-}
-
 }  // namespace orchard::calibration

@@ -31,8 +31,4 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
 std::vector<std::optional<double>> trunk_scores(const std::vector<TrunkObservation>& observations,
                                                 const TrunkModel& model);
 
-/// Median colour over the trunks; none without usable pixels.
-std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
-                                               const TrunkModel& model);
-
 }  // namespace orchard::calibration

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "calibration/trunks/hue_interval.hpp"
-#include "detection/adaptation/two_groups.hpp"
+#include "calibration/trunks/two_groups.hpp"
 #include "geometry/statistics.hpp"
 #include "text/number_text.hpp"
 
@@ -244,7 +244,7 @@ void warn_of_two_populations(const std::vector<ObjectTrack>& tracks,
   for (const std::size_t i : trunks) widths_m.push_back(tracks[i].seen.median_width_m);
   if (widths_m.size() < 8) return;
   const double middle_m = geometry::midpoint_median(widths_m);
-  const auto groups = detection::find_two_groups(widths_m, 0.2, 0.01 * middle_m);
+  const auto groups = find_two_groups(widths_m, 0.2, 0.01 * middle_m);
   if (!groups || groups->separation < options.separation_min) return;
   model.warnings.push_back(
       "there are two kinds of trunks, about " + millimetres(groups->low_mean) + " and " +

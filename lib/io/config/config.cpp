@@ -32,13 +32,19 @@ ConfigSchema schema_of(Config& c) {
 
 }  // namespace
 
-LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::string& name) {
-  LoadedConfig loaded;
-  loaded.warnings = read_yaml(yaml, name, schema_of(loaded.config));
-  return loaded;
+Config parse_config(const std::string& yaml, const std::string& name) {
+  Config config;
+  read_yaml(yaml, name, schema_of(config));
+  return config;
 }
 
-LoadedConfig load_config_with_warnings(const std::string& path) {
+RecordedConfig parse_recorded_config(const std::string& yaml, const std::string& name) {
+  RecordedConfig recorded;
+  recorded.notes = read_yaml(yaml, name, schema_of(recorded.config), UnknownKeys::kNote);
+  return recorded;
+}
+
+Config load_config(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text(kConfigBytesMax + 1, '\0');
   if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size())).eof()) {
@@ -49,14 +55,8 @@ LoadedConfig load_config_with_warnings(const std::string& path) {
     throw ConfigError({path + ": cannot be read; give an existing file with --config"});
   }
   text.resize(static_cast<std::size_t>(file.gcount()));
-  return parse_config_with_warnings(text, path);
+  return parse_config(text, path);
 }
-
-Config parse_config(const std::string& yaml, const std::string& name) {
-  return parse_config_with_warnings(yaml, name).config;
-}
-
-Config load_config(const std::string& path) { return load_config_with_warnings(path).config; }
 
 std::string print_config(const Config& config, PrintedKeys keys) {
   Config copy = config;
@@ -77,11 +77,7 @@ std::int64_t config_hash(const Config& config) {
   return text_hash(effective_config(copy));
 }
 
-std::vector<std::string> RigFile::load(const std::string& path) {
-  LoadedConfig loaded = load_config_with_warnings(path);
-  config_ = std::move(loaded.config);
-  return std::move(loaded.warnings);
-}
+void RigFile::load(const std::string& path) { config_ = load_config(path); }
 
 EffectiveConfig RigFile::effective() const {
   return {effective_config(config_), config_hash(config_)};

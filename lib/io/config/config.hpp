@@ -33,23 +33,22 @@ struct Config {
   simulation::SimulationConfig simulation;
 };
 
-/// A rig's configuration with the reader's warnings about renamed and removed keys.
-struct LoadedConfig {
+/// A configuration from a log.
+struct RecordedConfig {
   Config config;
-  std::vector<std::string> warnings;  ///< one line each
+  std::vector<std::string> notes;  ///< keys that this release does not have, one line each
 };
 
 /// Reads a rig's YAML over the defaults. Throws ConfigError listing all errors at once: unknown
 /// keys (with the nearest known one), wrong types, values out of range and violated conditions
 /// between keys. Nothing is corrected silently.
-LoadedConfig load_config_with_warnings(const std::string& path);
+Config load_config(const std::string& path);
 
 /// Parses text instead; `name` replaces the path in messages.
-LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::string& name);
-
-/// The same without the warnings.
-Config load_config(const std::string& path);
 Config parse_config(const std::string& yaml, const std::string& name);
+
+/// Parses the configuration that a log holds: keys of another release are ignored and noted.
+RecordedConfig parse_recorded_config(const std::string& yaml, const std::string& name);
 
 /// Prints all keys with values, units, ranges and meanings, as YAML that load_config reads.
 std::string print_config(const Config& config, PrintedKeys keys = PrintedKeys::kAll);
@@ -68,7 +67,7 @@ class RigFile : public ConfigFile {
 
   const Config& config() const { return config_; }
 
-  std::vector<std::string> load(const std::string& path) override;
+  void load(const std::string& path) override;
   LcmConfig& lcm() override { return config_.lcm; }
   EffectiveConfig effective() const override;
   std::string print(PrintedKeys keys) const override { return print_config(config_, keys); }

@@ -37,8 +37,8 @@ class ConfigFile {
  public:
   virtual ~ConfigFile() = default;
 
-  /// Reads a rig's YAML over the defaults and returns warnings, one line each. Throws ConfigError.
-  virtual std::vector<std::string> load(const std::string& path) = 0;
+  /// Reads a rig's YAML over the defaults. Throws ConfigError.
+  virtual void load(const std::string& path) = 0;
 
   virtual LcmConfig& lcm() = 0;
   virtual EffectiveConfig effective() const = 0;

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "io/config/config_error.hpp"
-#include "io/config/old_keys.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -70,7 +69,8 @@ std::optional<double> parse_number(const std::string& text) {
 /// Fills a configuration from YAML and collects the errors.
 class Reader : public ConfigVisitor {
  public:
-  Reader(const YAML::Node& root, std::string file) : file_(std::move(file)), root_{root, ""} {}
+  Reader(const YAML::Node& root, std::string file, UnknownKeys unknown)
+      : file_(std::move(file)), unknown_(unknown), root_{root, ""} {}
 
   /// Reports the keys of the current section that the schema did not ask for.
   void refuse_unknown() {
@@ -80,9 +80,10 @@ class Reader : public ConfigVisitor {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
       const std::string where = location(entry.first) + section_->prefix + key;
       if (!seen.insert(key).second) problems.push_back(where + ": is given twice; remove one");
-      if (section_->known.count(key) || section_->renamed.count(key)) continue;
-      if (const OldKey* old = find_fixed_key(section_->prefix + key)) {
-        warn_of_fixed(*old, entry.second, where);
+      if (section_->known.count(key)) continue;
+      if (unknown_ == UnknownKeys::kNote) {
+        notes.push_back(section_->prefix + key + " = " + scalar_text(entry.second) +
+                        " is no key of this version and is ignored");
       } else {
         problems.push_back(where + ": unknown key; did you mean " + nearest(key, section_->known) +
                            "?");
@@ -91,15 +92,14 @@ class Reader : public ConfigVisitor {
   }
 
   std::vector<std::string> problems;
-  std::vector<std::string> warnings;
+  std::vector<std::string> notes;
 
  private:
   /// The section being read.
   struct Section {
     YAML::Node node;
-    std::string prefix;               ///< "detector.width."
-    std::set<std::string> known{};    ///< keys that the schema has asked for
-    std::set<std::string> renamed{};  ///< keys of the file that were read under a former name
+    std::string prefix;             ///< "detector.width."
+    std::set<std::string> known{};  ///< keys that the schema has asked for
   };
 
   void on_number(const ConfigKey& key, double& value, double lo, double hi) override {
@@ -198,24 +198,10 @@ class Reader : public ConfigVisitor {
     refuse(field ? field : section_->node, key, field ? scalar_text(field) : "(default)", why);
   }
 
-  /// The value of a key by its present or a former name; undefined if it is not given.
+  /// The value of a key; undefined if it is not given.
   YAML::Node find(const std::string& key) {
     section_->known.insert(key);
-    YAML::Node field = entry(key);
-    for (const std::string& former : former_names(section_->prefix + key)) {
-      const YAML::Node old = entry(former);
-      if (!old) continue;
-      section_->renamed.insert(former);
-      const std::string where = location(old) + section_->prefix + former;
-      if (field) {
-        problems.push_back(where + ": is given twice, also by its new name " + key);
-      } else {
-        warnings.push_back(where + " is now called " + key +
-                           "; the old name will be removed in the next version");
-        field.reset(old);
-      }
-    }
-    return field;
+    return entry(key);
   }
 
   YAML::Node entry(const std::string& key) const {
@@ -225,19 +211,6 @@ class Reader : public ConfigVisitor {
       }
     }
     return YAML::Node(YAML::NodeType::Undefined);
-  }
-
-  void warn_of_fixed(const OldKey& old, const YAML::Node& value, const std::string& where) {
-    const std::string text = scalar_text(value);
-    const auto given = parse_number(text);
-    const auto fixed = parse_number(old.fixed_at);
-    if (*old.fixed_at == '\0') {
-      warnings.push_back(where + " = " + text +
-                         " is ignored: its function was removed; delete the key");
-      return;
-    }
-    if (text == old.fixed_at || (given && fixed && *given == *fixed)) return;
-    warnings.push_back(where + " = " + text + " is ignored: it is now fixed at " + old.fixed_at);
   }
 
   std::string location(const YAML::Node& field) const {
@@ -262,6 +235,7 @@ class Reader : public ConfigVisitor {
   }
 
   std::string file_;
+  UnknownKeys unknown_;
   Section root_;
   Section* section_ = &root_;
 };
@@ -269,7 +243,7 @@ class Reader : public ConfigVisitor {
 }  // namespace
 
 std::vector<std::string> read_yaml(const std::string& yaml, const std::string& name,
-                                   const ConfigSchema& schema) {
+                                   const ConfigSchema& schema, UnknownKeys unknown) {
   YAML::Node root;
   try {
     root = YAML::Load(yaml);
@@ -281,11 +255,11 @@ std::vector<std::string> read_yaml(const std::string& yaml, const std::string& n
   if (!root.IsMap()) {
     throw ConfigError({name + ":1: must consist of sections with keys, such as \"detector:\""});
   }
-  Reader reader(root, name);
+  Reader reader(root, name, unknown);
   schema(reader);
   reader.refuse_unknown();
   if (!reader.problems.empty()) throw ConfigError(std::move(reader.problems));
-  return std::move(reader.warnings);
+  return std::move(reader.notes);
 }
 
 }  // namespace orchard::io

@@ -8,11 +8,18 @@
 
 namespace orchard::io {
 
+/// What becomes of a key that the schema does not have.
+enum class UnknownKeys {
+  kRefuse,  ///< an error that names the nearest key
+  kNote,    ///< ignored and noted: a log holds the configuration of the release that recorded it
+};
+
 /// Reads YAML into the configuration that the schema presents; `name` replaces the path in
-/// messages. Returns warnings about renamed and removed keys, one line each. Throws ConfigError
-/// listing all errors at once: unknown keys (with the nearest known one), wrong types, values out
-/// of range and violated conditions between keys. Some values may have been changed then.
+/// messages. Returns the notes about unknown keys, one line each. Throws ConfigError listing all
+/// errors at once: unknown keys, wrong types, values out of range and violated conditions between
+/// keys. Some values may have been changed then.
 std::vector<std::string> read_yaml(const std::string& yaml, const std::string& name,
-                                   const ConfigSchema& schema);
+                                   const ConfigSchema& schema,
+                                   UnknownKeys unknown = UnknownKeys::kRefuse);
 
 }  // namespace orchard::io

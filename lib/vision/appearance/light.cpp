@@ -14,27 +14,7 @@ namespace {
 constexpr int kDark = 4;
 constexpr int kClipped = 250;
 
-using Table = std::array<std::uint8_t, 256>;
-
-Table table_of(double gain) {
-  Table table{};
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const double value = std::round(std::max(gain, 0.0) * static_cast<double>(i));
-    table[i] = static_cast<std::uint8_t>(std::min(value, 255.0));
-  }
-  return table;
-}
-
 }  // namespace
-
-void apply(const ChannelGains& gains, PixelBlock& pixels) {
-  if (gains.none()) return;
-  const std::array<Table, 3> tables{table_of(gains.blue), table_of(gains.green),
-                                    table_of(gains.red)};
-  for (std::size_t i = 0; i + 2 < pixels.bgr.size(); i += 3) {
-    for (std::size_t c = 0; c < 3; ++c) pixels.bgr[i + c] = tables[c][pixels.bgr[i + c]];
-  }
-}
 
 std::optional<WindowLight> window_light(const PixelBlock& pixels, const PixelRect& window) {
   const cv::Mat view = view_of(pixels, window);

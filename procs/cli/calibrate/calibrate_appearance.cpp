@@ -12,7 +12,6 @@
 #include "calibration/trunks/appearance_learner.hpp"
 #include "cli/calibrate/appearance_collector.hpp"
 #include "cli/calibrate/appearance_values.hpp"
-#include "cli/load_rig.hpp"
 #include "evaluation/detections/observation_pair.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
@@ -64,7 +63,7 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
 }  // namespace
 
 int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
-  const io::Config config = load_rig(options.config_path);
+  const io::Config config = io::load_config(options.config_path);
   if (!config.camera.enabled) {
     throw io::FileError(
         options.config_path +

@@ -10,7 +10,6 @@
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/calibrate/delay_collector.hpp"
-#include "cli/load_rig.hpp"
 #include "geometry/angles.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
@@ -87,7 +86,7 @@ void print(const calibration::DelayEstimate& e, double delay_s, const io::Config
 }  // namespace
 
 int run_calibrate_delay(const CalibrateDelayOptions& options) {
-  io::Config config = load_rig(options.config_path);
+  io::Config config = io::load_config(options.config_path);
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives with curves past trunks");
   if (!config.camera.enabled) {

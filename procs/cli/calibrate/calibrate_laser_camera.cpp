@@ -15,7 +15,6 @@
 #include "calibration/extrinsics/extrinsics_import.hpp"
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "cli/calibrate/board_collector.hpp"
-#include "cli/load_rig.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -203,7 +202,7 @@ int import_file(const CalibrateLaserCameraOptions& options) {
 }  // namespace
 
 int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
-  const io::Config config = load_rig(options.config_path);
+  const io::Config config = io::load_config(options.config_path);
   if (!config.camera.enabled) {
     throw io::FileError(options.config_path +
                         ": camera.enabled is false; set it to true to calibrate a camera");

@@ -11,7 +11,6 @@
 #include "calibration/trunks/appearance_learner.hpp"
 #include "calibration/trunks/hue_interval.hpp"
 #include "cli/calibrate/appearance_values.hpp"
-#include "cli/load_rig.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
@@ -78,7 +77,7 @@ std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& c
 
 int run_calibrate_pictures(const CalibratePicturesOptions& options) {
   const io::Config config =
-      options.config_path.empty() ? io::Config() : load_rig(options.config_path);
+      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
   Lessons lessons;
   const PictureCount count = for_each_masked_picture(
       options.pictures, kCommand,

@@ -10,7 +10,6 @@
 #include "cli/calibrate/map_samples.hpp"
 #include "cli/calibrate/probability_values.hpp"
 #include "cli/evaluate/detection_log.hpp"
-#include "cli/load_rig.hpp"
 #include "evaluation/detections/observation_pair.hpp"
 #include "evaluation/detections/reliability.hpp"
 #include "io/config/config.hpp"
@@ -145,7 +144,7 @@ std::string to_set(const io::Config& config) {
 }  // namespace
 
 int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
-  const io::Config config = load_rig(options.config_path);
+  const io::Config config = io::load_config(options.config_path);
   const std::vector<ProbabilitySample> samples = samples_of(options, config);
   calibration::ProbabilityLearnOptions rules;
   rules.width_mean_m = config.detector.width.mean_m;

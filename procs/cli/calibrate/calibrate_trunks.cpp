@@ -20,7 +20,6 @@
 #include "cli/calibrate/picked_ids.hpp"
 #include "cli/calibrate/trunk_collector.hpp"
 #include "cli/calibrate/trunk_list.hpp"
-#include "cli/load_rig.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -183,12 +182,6 @@ std::vector<io::ConfigValue> values_of(const calibration::TrunkModel& model) {
   return values;
 }
 
-void add_light(const vision::WindowLight& light, std::vector<io::ConfigValue>& values) {
-  values.push_back({"detector.adaptation.reference_blue", fixed_text(std::exp(light.blue), 4)});
-  values.push_back({"detector.adaptation.reference_red", fixed_text(std::exp(light.red), 4)});
-  values.push_back({"detector.adaptation.reference_green", fixed_text(std::exp(light.green), 2)});
-}
-
 }  // namespace
 
 int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
@@ -197,7 +190,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     pictures.pictures.quiet = options.quiet;
     return run_calibrate_pictures(pictures);
   }
-  const io::Config config = load_rig(options.config_path);
+  const io::Config config = io::load_config(options.config_path);
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives past trunks");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
@@ -248,7 +241,6 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
       values.push_back({"detector.colour_model", "hue_interval"});
     }
   }
-  if (const auto light = calibration::trunk_light(observations, model)) add_light(*light, values);
   // Without a camera, the trunks were chosen by their width alone: nothing tells how much it says.
   if (model.has_hue || model.is_picked) {
     const io::Config learnt = io::edited_config(options.config_path, values);

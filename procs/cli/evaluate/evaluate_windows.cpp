@@ -6,7 +6,6 @@
 
 #include "bus/node/process.hpp"
 #include "cli/evaluate/worst_windows.hpp"
-#include "cli/load_rig.hpp"
 #include "evaluation/window_evaluation.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
@@ -17,7 +16,7 @@
 namespace orchard::cli {
 
 int run_evaluate_windows(const EvaluateWindowsOptions& options) {
-  const detection::DetectorConfig model = load_rig(options.model_path).detector;
+  const detection::DetectorConfig model = io::load_config(options.model_path).detector;
   if (!model.appearance.learnt()) {
     throw io::FileError(options.model_path +
                         ": has no learnt detector.appearance; learn one with `orchard calibrate "

@@ -22,8 +22,8 @@
 #include "cli/field/start_time.hpp"
 #include "cli/field/status_board.hpp"
 #include "cli/field/status_screen.hpp"
-#include "cli/load_rig.hpp"
 #include "cli/program_folder.hpp"
+#include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 
@@ -180,7 +180,7 @@ std::string viewer_address() {
 
 int run_live(const LiveOptions& given) {
   LiveOptions options = given;
-  const io::Config config = load_rig(options.config_path);
+  const io::Config config = io::load_config(options.config_path);
   if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
   options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());

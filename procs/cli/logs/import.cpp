@@ -13,10 +13,10 @@
 #include "bus/bot_core/bot_core_translator.hpp"
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
-#include "cli/load_rig.hpp"
 #include "cli/logs/import_bags.hpp"
 #include "cli/logs/imported_log.hpp"
 #include "io/bag/bag_reader.hpp"
+#include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/recording/rawlog.hpp"
@@ -43,7 +43,8 @@ bool is_lcm_log(const std::string& path) {
 
 /// Imports a log of a robot with libbot's types.
 int import_bot_core(const std::string& source_path, const ImportOptions& options) {
-  const io::Config rig = options.config_path.empty() ? io::Config() : load_rig(options.config_path);
+  const io::Config rig =
+      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
   bus::BotCoreTranslator translator(rig.drivers.bot_core,
                                     static_cast<std::size_t>(rig.drivers.camera.max_bytes));
   io::LogReader log(source_path);

@@ -22,15 +22,6 @@ std::string text_of(vision::Encoding encoding) {
   constexpr const char* kNames[] = {"JPEG", "BGR8", "GRAY8"};
   return kNames[static_cast<int>(encoding)];
 }
-std::string text_of(detection::AdaptationAction action) {
-  constexpr const char* kNames[] = {"", "step", "freeze", "resume", "rollback", "reset"};
-  return kNames[static_cast<int>(action)];
-}
-std::string text_of(detection::AdaptationReason reason) {
-  constexpr const char* kNames[] = {"", "too few trees", "sensors disagree", "two populations",
-                                    "confidence collapsed"};
-  return kNames[static_cast<int>(reason)];
-}
 std::string text_of(mapping::EdgeKind kind) {
   return kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
 }

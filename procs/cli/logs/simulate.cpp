@@ -13,7 +13,6 @@
 #include "bus/messages/service_messages.hpp"
 #include "bus/node/process.hpp"
 #include "cli/interruptible_work.hpp"
-#include "cli/load_rig.hpp"
 #include "cli/logs/simulated_rig.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/config/scene_rig.hpp"

@@ -3,13 +3,14 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/messages/service_messages.hpp"
-#include "cli/load_rig.hpp"
+#include "io/config/config.hpp"
 #include "io/config/scene_rig.hpp"
 
 namespace orchard::cli {
 
 io::Config rig_of(const SimulateOptions& options) {
-  return options.config_path.empty() ? io::scene_rig(options.scene) : load_rig(options.config_path);
+  return options.config_path.empty() ? io::scene_rig(options.scene)
+                                     : io::load_config(options.config_path);
 }
 
 void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime) {

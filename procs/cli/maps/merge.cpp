@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "bus/node/process.hpp"
-#include "cli/load_rig.hpp"
 #include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
@@ -211,7 +210,7 @@ std::string quoted(const std::string& text) {
 int run_merge(const MergeOptions& options) {
   const mapping::RowsConfig rows = options.config_path.empty()
                                        ? mapping::RowsConfig{}
-                                       : load_rig(options.config_path).mapper.rows;
+                                       : io::load_config(options.config_path).mapper.rows;
   std::vector<io::StoredMap> maps;
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);

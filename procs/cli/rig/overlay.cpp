@@ -11,7 +11,6 @@
 
 #include "bus/node/process.hpp"
 #include "bus/replay/replay_index.hpp"
-#include "cli/load_rig.hpp"
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "cli/load_rig.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
@@ -32,14 +31,14 @@ RigTarget rig_target(const std::string& config_path, const std::string& out_path
   if (target.config_path.empty() && std::filesystem::exists(target.out_path)) {
     target.config_path = target.out_path;
   }
-  if (!target.config_path.empty()) load_rig(target.config_path);
+  if (!target.config_path.empty()) io::load_config(target.config_path);
   return target;
 }
 
 void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camera,
                 const std::string& what, bool force) {
   if (force || target.config_path.empty()) return;
-  const io::Config config = load_rig(target.config_path);
+  const io::Config config = io::load_config(target.config_path);
   const geometry::CameraIntrinsics& rig = config.camera.intrinsics;
   if (rig.width_px == camera.width_px && rig.height_px == camera.height_px) return;
   throw io::FileError(

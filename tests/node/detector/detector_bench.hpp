@@ -42,14 +42,12 @@ struct Bench {
   bus::Outbox outbox() {
     return [this](bus::Message m) {
       all.push_back(bus::encode(m));
-      if (const auto* step = std::get_if<detection::AdaptationStep>(&m)) steps.push_back(*step);
       if (const auto* detections = std::get_if<detection::Detections>(&m))
         sent.push_back(*detections);
     };
   }
   DetectorNode node;
   std::vector<detection::Detections> sent;
-  std::vector<detection::AdaptationStep> steps;
   std::vector<std::vector<std::uint8_t>> all;  ///< bytes of everything sent, in order
 };
 

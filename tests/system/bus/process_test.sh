@@ -29,13 +29,7 @@ expect_code 3 "$node" --config "$work/bad.yaml"
 for mistake in "bad.yaml:2" "bad.yaml:4" "bad.yaml:6"; do
   grep -q "$mistake" "$work/err" || { cat "$work/err" >&2; fail "$mistake is not named"; }
 done
-cat >"$work/old.yaml" <<YAML
-mapper:
-  presence:
-    enabled: false
-YAML
-expect_code 0 "$node" --config "$work/old.yaml" --print-config --all
-grep -q "mapper.presence is now called existence" "$work/err" || fail "no word of an old key"
+expect_code 0 "$node" --print-config --all
 grep -q "seed: " "$work/out" || fail "--all does not show all keys"
 expect_code 1 "$node" --lcm-url "udpm://1.2.3.4.5:1"
 expect_code 1 "$node" --lcm-url "file:///tmp/log"

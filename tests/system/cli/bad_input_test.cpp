@@ -37,15 +37,6 @@ class BadInput : public CliTest {
   }
 };
 
-TEST_F(BadInput, AKeyOfTheLastVersionIsReadWithAWarning) {
-  write_file(path("old.yaml"), "mapper:\n  presence:\n    enabled: false\n  save_period_s: 5\n");
-  const Result result = orchard({"simulate", "--scene", "tubes", "--seed", "1", "--duration", "1",
-                                 "--config", path("old.yaml"), "--out", path("old.lcm")});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("old.yaml:3: mapper.presence is now called existence"));
-  EXPECT_THAT(result.err, HasSubstr("old.yaml:4: mapper.save_period_s = 5 is ignored"));
-}
-
 TEST_F(BadInput, NoSuchLog) { expect_refused(path("none.lcm")); }
 
 TEST_F(BadInput, AFolderIsNoLog) { expect_refused(std::filesystem::path(path("x")).parent_path()); }

@@ -196,11 +196,11 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   using detection::Detections;
-  using Step = detection::AdaptationStep;
   using Imu = pose::Imu;
   using Page = pose::TrajectoryPage;
   using laser::Scan;
   using mapping::MapTile;
+  using mapping::MapWays;
   using pose::Gnss;
   using pose::Odometry;
   using pose::PoseEstimate;
@@ -284,15 +284,14 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        on<MapTile>([nan](MapTile& m) { m.landmarks[0].probability = nan; }), Reason::kNotFinite},
       {"total < 0", Channel::kMap, on<MapTile>([](MapTile& m) { m.num_landmarks_total = -1; }),
        Reason::kOutOfRange},
-      {"action 0", Channel::kAdaptation,
-       on<Step>([](Step& m) { m.action = static_cast<detection::AdaptationAction>(0); }),
+      {"more points than ways have", Channel::kMapWays,
+       on<MapWays>([](MapWays& m) { m.ways[1].num_points = 0; }), Reason::kInconsistent},
+      {"part after the last", Channel::kMapWays,
+       on<MapWays>([](MapWays& m) { m.part = m.num_parts; }), Reason::kOutOfRange},
+      {"kind 2", Channel::kMapWays,
+       on<MapWays>([](MapWays& m) { m.ways[0].edge.kind = static_cast<mapping::EdgeKind>(2); }),
        Reason::kOutOfRange},
-      {"reason 5", Channel::kAdaptation,
-       on<Step>([](Step& m) { m.reason = static_cast<detection::AdaptationReason>(5); }),
-       Reason::kOutOfRange},
-      {"share 1.1", Channel::kAdaptation, on<Step>([](Step& m) { m.confident_share = 1.1; }),
-       Reason::kOutOfRange},
-      {"trees < 0", Channel::kAdaptation, on<Step>([](Step& m) { m.num_width_trees = -1; }),
+      {"width < 0", Channel::kMapWays, on<MapWays>([](MapWays& m) { m.ways[0].edge.width_m = -1; }),
        Reason::kOutOfRange},
       {"rate nan", Channel::kImu, on<Imu>([nan](Imu& m) { m.angular_rate_radps[1] = nan; }),
        Reason::kNotFinite},
@@ -306,7 +305,7 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        on<Page>([](Page& m) { m.poses[1].utime = m.poses[0].utime; }), Reason::kInconsistent},
       {"pose inf", Channel::kTrajectory, on<Page>([inf](Page& m) { m.poses[1].x_m = inf; }),
        Reason::kNotFinite},
-      {"light nan", Channel::kAdaptation, on<Step>([nan](Step& m) { m.model.light.red = nan; }),
+      {"point nan", Channel::kMapWays, on<MapWays>([nan](MapWays& m) { m.points[2].y_m = nan; }),
        Reason::kNotFinite},
   };
   for (const Spoilt& spoilt : cases) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keys for users, keys for experts, and keys of an earlier version.
+// Keys for users, keys for experts; keys of a log of another version.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,12 +7,11 @@
 #include <sstream>
 
 #include "io/config/config.hpp"
-#include "io/config/old_keys.hpp"
+#include "io/config/config_error.hpp"
 
 namespace orchard::io {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -43,10 +42,6 @@ std::vector<PrintedKey> keys_of(const std::string& printed, bool with_sections =
   return keys;
 }
 
-std::vector<std::string> warnings_of(const std::string& yaml) {
-  return parse_config_with_warnings(yaml, "rig.yaml").warnings;
-}
-
 TEST(ConfigLevels, AUserIsShownAtMostSixtyKeysBesideDriversAndSimulation) {
   int num_shown = 0;
   for (const PrintedKey& key : keys_of(print_config(Config(), PrintedKeys::kUser))) {
@@ -73,58 +68,18 @@ TEST(ConfigLevels, WhatUsersAndExpertsAreShownReadsBackAsTheSame) {
   EXPECT_THAT(print_config(Config(), PrintedKeys::kUser), Not(HasSubstr("\n  edges:")));
 }
 
-TEST(OldKeys, ARenamedKeyIsReadWithAWarningThatNamesTheNewOne) {
-  const LoadedConfig loaded = parse_config_with_warnings(
-      "pose:\n  slam:\n    sighting_sd_m: 0.3\nmapper:\n  presence:\n    enabled: false\n",
-      "rig.yaml");
-  EXPECT_EQ(loaded.config.pose.slam.observation_sd_m, 0.3);
-  EXPECT_FALSE(loaded.config.mapper.existence.enabled);
-  EXPECT_THAT(loaded.warnings,
-              ElementsAre(HasSubstr("rig.yaml:3: pose.slam.sighting_sd_m is now called "
-                                    "observation_sd_m"),
-                          HasSubstr("rig.yaml:6: mapper.presence is now called existence")));
-}
-
-TEST(OldKeys, AMistakeInARenamedKeyIsRefusedAsInTheNewOne) {
-  EXPECT_THROW(warnings_of("mapper: {apart_m: 50}"), ConfigError);
-  EXPECT_THROW(warnings_of("mapper: {presence: {nonsense: 1}}"), ConfigError);
-}
-
-TEST(OldKeys, BothNamesOfOneKeyAreRefused) {
-  try {
-    parse_config("mapper: {apart_m: 0.5, split_distance_m: 0.6}", "rig.yaml");
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.problems(),
-                ElementsAre(HasSubstr(
-                    "mapper.apart_m: is given twice, also by its new name split_distance_m")));
-  }
-}
-
-TEST(OldKeys, AKeyThatIsFixedNowIsIgnoredWithAWarningUnlessItSaysTheSame) {
-  EXPECT_THAT(warnings_of("pose: {slam: {solve_growth: 0.10}}"), IsEmpty());
-  EXPECT_THAT(
-      warnings_of("pose:\n  slam:\n    solve_growth: 0.2\n"),
-      ElementsAre("rig.yaml:3: pose.slam.solve_growth = 0.2 is ignored: it is now fixed at 0.1"));
-  EXPECT_THAT(warnings_of("mapper: {presence: {past_share: 0.9}}"),
-              Contains(HasSubstr("mapper.existence.past_share = 0.9 is ignored")));
-  EXPECT_THAT(
-      warnings_of("mapper: {existence: {seen_rate: 0.5}}"),
-      Contains(HasSubstr("mapper.existence.seen_rate = 0.5 is ignored: its function was removed")));
-}
-
-TEST(OldKeys, EveryOldNameLeadsToAKeyThatIsThereAndIsNoneItself) {
-  std::set<std::string> present;
-  for (const PrintedKey& key : keys_of(print_config(Config()), true)) present.insert(key.path);
-  for (const OldKey& old : old_keys()) {
-    const std::string path(old.path);
-    EXPECT_EQ(present.count(path), 0u) << path << " is a key, and in the table of old ones";
-    const std::string section = path.substr(0, path.rfind('.'));
-    EXPECT_EQ(present.count(section), 1u) << section;
-    if (old.name != nullptr) {
-      EXPECT_EQ(present.count(section + "." + old.name), 1u) << path;
-    }
-  }
+TEST(RecordedConfig, KeysOfAnotherReleaseAreNotedInALogAndRefusedInAFile) {
+  const std::string yaml =
+      "detector:\n  adaptation:\n    enabled: true\n  tree_threshold: 0.3\nmapper:\n  presence: "
+      "1\n";
+  const RecordedConfig recorded = parse_recorded_config(yaml, "the rig in a.lcm");
+  EXPECT_EQ(recorded.config.detector.tree_threshold, 0.3);
+  EXPECT_THAT(recorded.notes,
+              ElementsAre(HasSubstr("detector.adaptation = (a section) is no key of this version"),
+                          HasSubstr("mapper.presence = 1 is no key of this version")));
+  EXPECT_THAT(parse_recorded_config(effective_config(Config()), "").notes, IsEmpty());
+  EXPECT_THROW(parse_recorded_config("detector: {tree_threshold: 9}", ""), ConfigError);
+  EXPECT_THROW(parse_config(yaml, "rig.yaml"), ConfigError);
 }
 
 }  // namespace

@@ -41,7 +41,6 @@ constexpr Crossed kCrossed[] = {
     {"detector: {edges: {canny_low: 200, canny_high: 100}}", "canny_low = 200: must be below"},
     {"detector: {edges: {median_size_px: 4}}", "median_size_px = 4: must be odd"},
     {"detector: {pairing_tolerance_s: 0.3}", "pairing_tolerance_s = 0.3: must not be above image"},
-    {"detector: {adaptation: {reference_blue: 0.8}}", "reference_blue = 0.8: the three references"},
     {"detector: {decision: probability}", "decision = probability: probability needs"},
     {"detector: {colour_model: appearance}", "colour_model = appearance: needs a learnt"},
     {"detector: {probability: {enabled: true}}", "enabled = true: needs weights"},

@@ -35,16 +35,5 @@ TEST(Light, ClippedAndDarkPixelsTellNothing) {
   EXPECT_THROW(window_light(pixels, {9, 20, 4, 1}), std::invalid_argument);
 }
 
-TEST(Light, GainsMultiplyAndStayInRange) {
-  PixelBlock pixels = block(50, 100, 200);
-  apply({2.0, 0.5, 1.5}, pixels);
-  EXPECT_EQ(pixels.bgr[0], 100);
-  EXPECT_EQ(pixels.bgr[1], 50);
-  EXPECT_EQ(pixels.bgr[2], 255);
-  const auto before = pixels.bgr;
-  apply({}, pixels);
-  EXPECT_EQ(pixels.bgr, before);
-}
-
 }  // namespace
 }  // namespace orchard::vision

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "detection/adaptation/two_groups.hpp"
+#include "calibration/trunks/two_groups.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace orchard::detection {
+namespace orchard::calibration {
 namespace {
 
 struct Moments {
@@ -44,4 +44,4 @@ std::optional<TwoGroups> find_two_groups(std::vector<double> values, double min_
   return best;
 }
 
-}  // namespace orchard::detection
+}  // namespace orchard::calibration

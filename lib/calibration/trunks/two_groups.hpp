@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace orchard::detection {
+namespace orchard::calibration {
 
 /// Split of values into two groups with the largest separation.
 struct TwoGroups {
@@ -25,4 +25,4 @@ struct TwoGroups {
 std::optional<TwoGroups> find_two_groups(std::vector<double> values, double min_fraction,
                                          double sd_floor);
 
-}  // namespace orchard::detection
+}  // namespace orchard::calibration

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "detection/adaptation/two_groups.hpp"
+#include "calibration/trunks/two_groups.hpp"
 
 #include <gtest/gtest.h>
 
-namespace orchard::detection {
+namespace orchard::calibration {
 namespace {
 
 TEST(TwoGroups, FindsWhereTwoGroupsPart) {
@@ -33,4 +33,4 @@ TEST(TwoGroups, StragglersAreNoGroupAndEqualNumbersHaveNoSpread) {
 }
 
 }  // namespace
-}  // namespace orchard::detection
+}  // namespace orchard::calibration

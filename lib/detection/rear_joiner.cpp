@@ -121,10 +121,7 @@ Detections RearJoiner::decide_front() {
   Detections view = std::move(front.detections);
   while (!queue_.is_empty(kRear) && queue_.front_utime(kRear) < view.utime) queue_.take(kRear);
   const auto end_us = view.utime + std::llround(kTurnMargin * static_cast<double>(front.turn_us));
-  if (queue_.is_empty(kRear) || queue_.front_utime(kRear) >= end_us) {
-    ++num_without_rear_;
-    return view;
-  }
+  if (queue_.is_empty(kRear) || queue_.front_utime(kRear) >= end_us) return view;
   const std::optional<Motion> motion = motion_at(view.utime);
   const std::size_t num_front = view.trunks.size();
   for (Detection& rear : queue_.take(kRear).detections.trunks) {

@@ -42,8 +42,6 @@ class RearJoiner {
 
   /// Time of the first waiting view, if any.
   std::optional<std::int64_t> waiting_utime() const;
-  /// Number of views released without the second scanner.
-  std::int64_t num_without_rear() const { return num_without_rear_; }
 
  private:
   enum Kind : std::size_t { kFront, kRear, kMotion, kNumKinds };
@@ -60,7 +58,6 @@ class RearJoiner {
   laser::LaserConfig mount_;
   Queue queue_;
   std::deque<Motion> motions_;  ///< in order of utime
-  std::int64_t num_without_rear_ = 0;
 };
 
 /// Rotation period of a scanner [us], from the time between its beams. 0.1 s, the period of the

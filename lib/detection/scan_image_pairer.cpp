@@ -87,11 +87,6 @@ std::optional<std::int64_t> ScanImagePairer::waiting_scan_utime() const {
   return scans_.front(kScan).utime;
 }
 
-std::optional<std::int64_t> ScanImagePairer::newest_motion_utime() const {
-  if (scans_.reached(kMotion) == Queue::kNever) return std::nullopt;
-  return scans_.reached(kMotion);
-}
-
 std::vector<ScanImagePair> ScanImagePairer::release() {
   std::vector<ScanImagePair> pairs;
   while (!scans_.is_empty(kScan)) {

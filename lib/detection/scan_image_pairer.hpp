@@ -48,8 +48,6 @@ class ScanImagePairer {
   std::int64_t num_late() const { return num_late_; }
   /// Number of pairs released with an image, but without the motion they waited for.
   std::int64_t num_without_motion() const { return num_without_motion_; }
-  /// Time of the newest motion, if any.
-  std::optional<std::int64_t> newest_motion_utime() const;
   /// Time of the first waiting scan, if any.
   std::optional<std::int64_t> waiting_scan_utime() const;
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "evaluation/detections/score_test.hpp"
+#include "evaluation/detections/score_evaluation.hpp"
 
 namespace orchard::evaluation {
 namespace {

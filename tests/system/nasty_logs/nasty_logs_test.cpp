@@ -3,6 +3,7 @@
 // drive, every tree and object of it, and nothing else.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,8 +71,9 @@ class NastyLogs : public ::testing::Test {
   static std::int64_t start() { return bus::utime_of(drive_.front()); }
 
   static Mapped map(const std::vector<Message>& messages) {
-    const std::string path =
-        (std::filesystem::path(::testing::TempDir()) / "orchard_nasty.lcm").string();
+    const std::string path = (std::filesystem::path(::testing::TempDir()) /
+                              (std::to_string(::getpid()) + ".orchard_nasty.lcm"))
+                                 .string();
     io::LogWriter writer(path);
     for (const Message& message : messages) {
       const Channel channel = bus::channel_of(message);

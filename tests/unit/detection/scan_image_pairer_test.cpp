@@ -149,7 +149,6 @@ TEST(ScanImagePairer, CountsPicturesThatFoundNoMotion) {
     pairer.add(scan_at(1'000'000 + 100'000 * i));
     pairer.add(image_at(1'010'000 + 100'000 * i));
   }
-  EXPECT_EQ(pairer.newest_motion_utime(), 1'000'000);
   EXPECT_GT(pairer.num_without_motion(), 10);  // decided although none came for two seconds
   pairer.flush();
   EXPECT_EQ(pairer.num_without_motion(), 18);  // the first two are within 200 ms of the motion

@@ -21,6 +21,8 @@ constexpr int kReturnWeight = 3;
 constexpr double kMoved_m = 0.1;
 constexpr double kTurned_rad = 0.1;
 constexpr std::size_t kUnpackedMax = 512;
+/// Radius of the first ring in which scans are looked for [m]; each next one is twice as wide.
+constexpr double kFirstRing_m = 2.0;
 
 }  // namespace
 
@@ -48,44 +50,52 @@ bool GroundOccupancy::Votes::is_passable() const {
   return num_passes >= kReturnWeight * num_returns;
 }
 
-/// Stored scans within reach of the position: squared distance and index, nearest first.
-std::vector<std::pair<double, std::int32_t>> GroundOccupancy::scans_near(
-    const Eigen::Vector2d& p_map) const {
-  std::vector<std::pair<double, std::int32_t>> near;
-  grid_.near(p_map.x(), p_map.y(), kBeamReach_m, [&](std::int32_t i) {
-    const double square =
-        (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
-    if (square <= kBeamReach_m * kBeamReach_m) near.emplace_back(square, i);
-  });
-  std::sort(near.begin(), near.end());
-  return near;
+/// Calls visit(scan, squared distance) for stored scans within reach of the position, nearest
+/// first, until it returns false. A few of the hundreds within reach decide, so they are looked for
+/// in rings.
+template <class Visit>
+void GroundOccupancy::visit_near(const Eigen::Vector2d& p_map, const Visit& visit) {
+  double inner_m = -1.0;
+  for (double outer_m = kFirstRing_m; inner_m < kBeamReach_m; outer_m *= 2.0) {
+    outer_m = std::min(outer_m, kBeamReach_m);
+    std::vector<std::pair<double, std::int32_t>> ring;
+    grid_.near(p_map.x(), p_map.y(), outer_m, [&](std::int32_t i) {
+      const double square =
+          (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
+      const bool is_in_ring =
+          square <= outer_m * outer_m && (inner_m < 0.0 || square > inner_m * inner_m);
+      if (is_in_ring) ring.emplace_back(square, i);
+    });
+    std::sort(ring.begin(), ring.end());
+    for (const auto& [square, i] : ring) {
+      if (!visit(scans_[static_cast<std::size_t>(i)], square)) return;
+    }
+    inner_m = outer_m;
+  }
 }
 
 void GroundOccupancy::visit_views(
     const Eigen::Vector2d& p_map,
     const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit) {
-  for (const auto& [square, i] : scans_near(p_map)) {
-    const std::int32_t number = scans_[static_cast<std::size_t>(i)].number;
-    const FreeSpace* beams = free_space(number);
-    if (beams != nullptr && !visit(number, *beams)) return;
-  }
+  visit_near(p_map, [&](const Scan& scan, double) {
+    const FreeSpace* beams = free_space(scan.number);
+    return beams == nullptr || visit(scan.number, *beams);
+  });
 }
 
 GroundOccupancy::Votes GroundOccupancy::votes_at(const Eigen::Vector2d& p_map) {
-  const std::vector<std::pair<double, std::int32_t>> near = scans_near(p_map);
   Votes votes;
-  votes.is_driven = !near.empty() && near.front().first <= kDriven_m * kDriven_m;
-  if (votes.is_driven) return votes;
-  for (const auto& [square, i] : near) {
-    const Scan& scan = scans_[static_cast<std::size_t>(i)];
+  visit_near(p_map, [&](const Scan& scan, double square) {
+    votes.is_driven = square <= kDriven_m * kDriven_m;  // the nearest tells
+    if (votes.is_driven) return false;
     const FreeSpace* beams = free_space(scan.number);
-    if (beams == nullptr) continue;
+    if (beams == nullptr) return true;
     const auto answer =
         beams->at(geometry::inverse_transform(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
     votes.num_passes += answer.evidence == FreeSpaceEvidence::kPassesThrough;
     votes.num_returns += answer.evidence == FreeSpaceEvidence::kReturns;
-    if (votes.num_passes + votes.num_returns >= kVotes) break;
-  }
+    return votes.num_passes + votes.num_returns < kVotes;
+  });
   return votes;
 }
 
@@ -98,18 +108,17 @@ bool GroundOccupancy::is_open(const Eigen::Vector2d& from_map, const Eigen::Vect
                               double half_depth_m, double clear_m) {
   int num_scans = 0;
   Votes votes;
-  for (const auto& [square, i] : scans_near(0.5 * (from_map + to_map))) {
-    const Scan& scan = scans_[static_cast<std::size_t>(i)];
+  visit_near(0.5 * (from_map + to_map), [&](const Scan& scan, double) {
     const FreeSpace* beams = free_space(scan.number);
-    if (beams == nullptr) continue;
+    if (beams == nullptr) return true;
     const PassageBeams seen =
         beams->through(geometry::inverse_transform(scan.x_y_yaw, from_map),
                        geometry::inverse_transform(scan.x_y_yaw, to_map), half_depth_m, clear_m);
-    if (seen.num_within + seen.num_through == 0) continue;
+    if (seen.num_within + seen.num_through == 0) return true;
     votes.num_passes += seen.num_through;
     votes.num_returns += seen.num_within;
-    if (++num_scans >= kVotes) break;
-  }
+    return ++num_scans < kVotes;
+  });
   return votes.num_passes > 0 && votes.is_passable();
 }
 

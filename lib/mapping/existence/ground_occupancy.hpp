@@ -55,17 +55,18 @@ class GroundOccupancy {
   bool is_open(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
                double clear_m);
   Votes votes_at(const Eigen::Vector2d& p_map);
-  std::vector<std::pair<double, std::int32_t>> scans_near(const Eigen::Vector2d& p_map) const;
 
   struct Scan {
     std::int32_t number = 0;
     Eigen::Vector3d x_y_yaw{0, 0, 0};  ///< T_map_base
   };
+  template <class Visit>
+  void visit_near(const Eigen::Vector2d& p_map, const Visit& visit);
   const FreeSpace* free_space(std::int32_t number);
 
   FreeSpaceOf free_space_of_;
   std::vector<Scan> scans_;
-  geometry::PointGrid grid_{8.0};
+  geometry::PointGrid grid_{4.0};
   std::unordered_map<std::int32_t, std::shared_ptr<const FreeSpace>> unpacked_;  ///< cache
 };
 

@@ -7,14 +7,16 @@
 
 namespace orchard::vision {
 
-std::vector<std::uint8_t> write_jpeg(const PixelBlock& block, int quality) {
+std::vector<std::uint8_t> write_jpeg(const PixelBlock& block, int quality,
+                                     JpegTransform transform) {
   if (block.area.empty()) return {};
   const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
   unsigned char* buffer = nullptr;
   unsigned long size = 0;
   const int result =
       encoder ? tjCompress2(encoder.get(), block.bgr.data(), block.area.width_px, 0,
-                            block.area.height_px, TJPF_BGR, &buffer, &size, TJSAMP_420, quality, 0)
+                            block.area.height_px, TJPF_BGR, &buffer, &size, TJSAMP_420, quality,
+                            transform == JpegTransform::kExact ? TJFLAG_ACCURATEDCT : 0)
               : -1;
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(buffer, tjFree);
   if (result != 0) return {};

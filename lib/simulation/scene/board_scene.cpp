@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "geometry/laser_camera.hpp"
 #include "simulation/simulator.hpp"
+#include "vision/jpeg_writer.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -314,8 +314,11 @@ vision::Image BoardScene::image(double time_s, std::uint64_t index) const {
   image.width_px = picture.width_px;
   image.height_px = picture.height_px;
   image.encoding = vision::Encoding::kJpeg;
-  cv::imencode(".jpg", colour, image.data,
-               {cv::IMWRITE_JPEG_QUALITY, rig_.simulation.image.jpeg_quality});
+  vision::PixelBlock pixels;
+  pixels.area = {0, 0, picture.width_px, picture.height_px};
+  pixels.bgr.assign(colour.datastart, colour.dataend);
+  image.data =
+      vision::write_jpeg(pixels, rig_.simulation.image.jpeg_quality, vision::JpegTransform::kExact);
   return image;
 }
 

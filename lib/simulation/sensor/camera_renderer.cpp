@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <tuple>
@@ -13,6 +12,7 @@
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
 #include "simulation/sensor/texture.hpp"
+#include "vision/jpeg_writer.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -327,7 +327,10 @@ vision::Image CameraRenderer::take(const World& world, const Pose2& T_map_base, 
   image.width_px = width_px_;
   image.height_px = height_px_;
   image.encoding = vision::Encoding::kJpeg;
-  cv::imencode(".jpg", bytes, image.data, {cv::IMWRITE_JPEG_QUALITY, config.jpeg_quality});
+  vision::PixelBlock pixels;
+  pixels.area = {0, 0, width_px_, height_px_};
+  pixels.bgr.assign(bytes.datastart, bytes.dataend);
+  image.data = vision::write_jpeg(pixels, config.jpeg_quality, vision::JpegTransform::kExact);
   return image;
 }
 

@@ -158,13 +158,22 @@ TEST_F(LoggedRig, ProcessesThatDisagreeAreNamed) {
       "");
 }
 
-TEST_F(LoggedRig, ARigOfAnotherReleaseIsNotGuessed) {
-  write_log("newer.lcm", {notice("orchard-detector", "detector:\n  cleverness: 11\n")});
+TEST_F(LoggedRig, ARigOfANewerReleaseIsNotGuessed) {
+  bus::ConfigNotice newer = notice("orchard-detector", "detector:\n  cleverness: 11\n");
+  newer.version = "99.10.0";
+  write_log("newer.lcm", {newer});
   const Result result = orchard({"map", path("newer.lcm"), "--out", path("map")});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("cleverness: unknown key"));
   EXPECT_THAT(result.err, HasSubstr("--config FILE"));
   EXPECT_THAT(map(path("newer.lcm")).err, HasSubstr("detector.cleverness: 11 -> (none)"));
+}
+
+TEST_F(LoggedRig, AnOlderReleaseMayHaveKeysThatWentAndSaysSo) {
+  write_log("older.lcm", {notice("orchard-detector", "detector:\n  cleverness: 11\n")});
+  const Result result = orchard({"map", path("older.lcm"), "--out", path("map")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("detector.cleverness = 11 is no key of this version"));
 }
 
 }  // namespace

@@ -354,7 +354,7 @@ TEST(RealScan, BrightBeamsStandByThemselves) {
   EXPECT_TRUE(tagged[0].is_reflector);
   EXPECT_EQ(tagged[0].width_m, whole[0].width_m);
   // whoever asks more of a trunk's width gets the tag as an object of its own
-  trunks.mean_m = 0.16;
+  trunks.mean_m = 0.135;
   EXPECT_EQ(segment(scan, config, trunks).size(), 1u);
   EXPECT_GT(segment(scan, config, trunks, {}, 0.9).size(), 1u);
 }

@@ -10,7 +10,6 @@
 #include "geometry/angles.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "mapping/compare/alignment_hypothesis.hpp"
-#include "mapping/compare/near_raster.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -144,8 +143,8 @@ Laid laid_on(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1, const V
 
 /// Inlier check: whether enough points around the anchor find partners; stops as soon as that is
 /// impossible.
-bool has_support(const Trunks& a, const Trunks& b, const NearRaster& near_b, const Anchor& anchor,
-                 const Laid& laid, double gate_m, AlignmentHypothesis& hypothesis) {
+bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, const Laid& laid,
+                 double gate_m, AlignmentHypothesis& hypothesis) {
   const auto num = static_cast<int>(anchor.support.size());
   const int needed = std::max(3, static_cast<int>(std::ceil(kInlierFraction * num)));
   int num_left = num;
@@ -154,7 +153,6 @@ bool has_support(const Trunks& a, const Trunks& b, const NearRaster& near_b, con
     --num_left;
     const auto of_a = static_cast<std::size_t>(i);
     const Vector2d p_b = laid.in_b(a.places[of_a]);
-    if (!near_b.may_be_near(p_b)) continue;
     const std::int32_t j = b.places.nearest(p_b, gate_m);
     if (j < 0) continue;
     const auto of_b = static_cast<std::size_t>(j);
@@ -320,7 +318,6 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
   const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
-  const NearRaster near_b(b.points(), search.gate_m);
   std::vector<AlignmentHypothesis> hypotheses;
   Agreement of_anchors(search.gate_m, spacing_m);
   for (const Anchor& anchor : anchors_of(a, kNumAnchors)) {
@@ -333,8 +330,8 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
       if (!search.any_place && !is_allowed(pose(), anchor.middle, search)) return;
       found.num_tried += 1.0;
       AlignmentHypothesis h;
-      if (!has_support({a, width_of_a_m}, {b, width_of_b_m}, near_b, anchor,
-                       laid_on(a1, a2, b1, b2), search.gate_m, h)) {
+      if (!has_support({a, width_of_a_m}, {b, width_of_b_m}, anchor, laid_on(a1, a2, b1, b2),
+                       search.gate_m, h)) {
         return;
       }
       h.middle_a = anchor.middle;

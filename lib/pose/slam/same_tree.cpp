@@ -172,13 +172,14 @@ double missed_log_ratio(const SlamGraph& graph, const geometry::PointGrid& index
   for (const int k : a.keyframes) {
     const Keyframe& keyframe = graph.keyframes[k];
     const Eigen::Vector2d a_base = geometry::inverse_transform(keyframe.T_map_base, a.p_map);
+    const geometry::OcclusionTest occlusion = occlusion_by(keyframe, graph, seen);
     for (const SlamObservation& o : keyframe.observations) observed[o.landmark] = true;
     for (const int l : index.near(keyframe.T_map_base.head<2>(), coverage.range_max_m())) {
       if (l == seen || !is_tree(graph.landmarks[l]) || observed.count(l) != 0) continue;
       const Eigen::Vector2d p_base =
           geometry::inverse_transform(keyframe.T_map_base, graph.landmarks[l].p_map);
-      num_in_view[l] += coverage.in_view(p_base) && !covers(a, a_base, p_base) &&
-                        !is_hidden(p_base, keyframe, graph, seen);
+      num_in_view[l] +=
+          coverage.in_view(p_base) && !covers(a, a_base, p_base) && !occlusion.occludes(p_base);
     }
   }
   if (observed.count(missed) != 0 || num_in_view[missed] < kConfirmKeyframes) return 0.0;

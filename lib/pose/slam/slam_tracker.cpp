@@ -161,6 +161,7 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
   SlamGraph& graph = map.graph;
   graph.drop_rare_observations(config_.detection_rate_min * num_scans_);
   const Keyframe& now = graph.keyframes.back();
+  const geometry::OcclusionTest occlusion = occlusion_by(now, graph);
   for (const int l : map.local) {
     SlamLandmark& landmark = graph.landmarks[l];
     if (!landmark.alive || landmark.keyframes.empty()) continue;
@@ -172,7 +173,7 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
       continue;
     }
     const Eigen::Vector2d p_base = inverse_transform(now.T_map_base, landmark.p_map);
-    if (map.coverage.in_view(p_base) && !is_hidden(p_base, now, graph)) ++landmark.num_misses;
+    if (map.coverage.in_view(p_base) && !occlusion.occludes(p_base)) ++landmark.num_misses;
     const bool gone =
         landmark.num_misses >= kNumMissesMin && landmark.num_misses > kMissRatioMax * num_observed;
     const double since_m = now.travel_m - graph.keyframes[landmark.keyframes.back()].travel_m;

@@ -41,7 +41,7 @@ export LSAN_OPTIONS="suppressions=$PWD/.ci/lsan_suppressions.txt print_suppressi
 export UBSAN_OPTIONS=print_stacktrace=1
 export ORCHARD_SANITIZED=yes  # tests leave out limits on memory and processor
 if [ $all = yes ]; then
-  ninja -C "$folder" -j "$jobs"
+  ninja -C "$folder" -j "$jobs" all tests
   # Ten times as long: sanitizers are that slow.
   find "$folder" -name CTestTestfile.cmake -exec sed -i -E 's/(TIMEOUT "[0-9]+)"/\10"/' {} +
   ctest --test-dir "$folder" --output-on-failure -R "$matching"

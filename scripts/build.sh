@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Install the required packages, configure and build everything into build/.
-#   scripts/build.sh             build everything
-#   scripts/build.sh TARGET...   build only these targets of ninja
+# Install the required packages, configure and build the programs into build/bin.
+#   scripts/build.sh             all programs, manual pages, types for lcm-spy and Python
+#   scripts/build.sh TARGET...   build only these targets of ninja: programs by name, tests,
+#                                experiments (those behind tests/RESULTS.md), benchmarks, all
 set -euo pipefail
 case "${1:-}" in
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;

@@ -15,7 +15,7 @@ if [ "${1:-}" = --all ]; then
   shift
 fi
 scripts/install_deps.sh $packages
-scripts/build.sh
+scripts/build.sh all tests
 echo "== ctest --test-dir build --output-on-failure -j2 $*"
 code=0
 ctest --test-dir build --output-on-failure --no-tests=error -j2 "$@" | tee build/ctest.log || code=$?

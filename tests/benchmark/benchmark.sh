@@ -21,7 +21,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-if [ $build = yes ]; then scripts/build.sh; fi
+if [ $build = yes ]; then scripts/build.sh all benchmarks; fi
 
 mkdir -p out/benchmark
 rows=out/benchmark/results.txt

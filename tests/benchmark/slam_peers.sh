@@ -29,7 +29,7 @@ for program in kf-slam rbpf-slam; do
     exit 3
   }
 done
-[ -x "$peers" ] || { echo "slam_peers: no $peers; build it with scripts/build.sh" >&2; exit 3; }
+[ -x "$peers" ] || { echo "slam_peers: no $peers; build it with scripts/build.sh benchmarks" >&2; exit 3; }
 
 # seconds LOG COMMAND...: processor time of a command, "over" when it was given up, "failed"
 seconds() {

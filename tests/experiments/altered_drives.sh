@@ -16,7 +16,7 @@ recording=${1:-../shared/data/pullally_drive_1}
 seed=${2:-1}
 [ -d "$recording" ] || { echo "altered_drives: there is no folder $recording" >&2; exit 3; }
 bin=${BUILD:-build}/bin
-[ -x "$bin/orchard" ] || scripts/build.sh
+[ -x "$bin/orchard" ] || scripts/build.sh all experiments
 rig=${RIG:-config/pullally.yaml} rig_alone=${RIG_ALONE:-config/pullally_laser_only.yaml}
 out=${OUT:-out/altered}
 mapfile -t names < <("$bin/../experiments/altered_drive" names | cut -d" " -f1)

@@ -40,7 +40,7 @@ done
 fail() { echo "determinism: $*" >&2; exit 1; }
 
 if [ $inside = no ]; then
-  if [ $build = yes ]; then scripts/build.sh; fi
+  if [ $build = yes ]; then scripts/build.sh all tests; fi
   again=(tests/experiments/determinism.sh --inside --no-build "${arguments[@]}")
   if [ "$(id -u)" -eq 0 ] && unshare -n true 2>/dev/null; then exec unshare -n "${again[@]}"; fi
   if unshare -rn true 2>/dev/null; then exec unshare -rn "${again[@]}"; fi

@@ -24,7 +24,7 @@ std::size_t sector_of(const Eigen::Vector2d& p, std::size_t num);
 ///
 /// Made for landmarks, whose position and width are uncertain by centimetres: every trunk gets a
 /// border of half a trunk. Exact visibility is computed elsewhere: from the beams themselves
-/// (mapping/existence/free_space), and in the simulator's truth, which must not share code with the
+/// (mapping/free_space), and in the simulator's truth, which must not share code with the
 /// code it judges.
 class OcclusionTest {
  public:

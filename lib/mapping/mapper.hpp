@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "detection/detection.hpp"
-#include "mapping/existence/free_space.hpp"
 #include "mapping/existence/ground_occupancy.hpp"
+#include "mapping/free_space.hpp"
 #include "mapping/label_conflicts.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pose/filter/fusion_config.hpp"
-#include "pose/filter/gnss_config.hpp"
+#include "pose/gnss_config.hpp"
 #include "pose/prior_map/prior_map_config.hpp"
 #include "pose/scan_matching/scan_motion_config.hpp"
 #include "pose/slam_config.hpp"

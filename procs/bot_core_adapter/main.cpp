@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "bus/bot_core/bot_core_driver.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 
 int main(int argc, char** argv) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/add_command.hpp"
 #include "cli/help.hpp"
 #include "cli/rig/suggestion.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
 

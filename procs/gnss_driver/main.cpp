@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
-#include "bus/driver/stream_process.hpp"
+#include "bus/process/stream_process.hpp"
 #include "device/gnss/gpsd_protocol.hpp"
 #include "io/config/config.hpp"
 #include "simulation/device/gpsd_device.hpp"

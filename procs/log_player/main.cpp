@@ -2,7 +2,7 @@
 #include <exception>
 #include <iostream>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/file_error.hpp"
 #include "log_player/player.hpp"
 

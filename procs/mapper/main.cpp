@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "mapper/mapper_process.hpp"
 

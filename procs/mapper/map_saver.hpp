@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "mapper/mapper_node.hpp"
 
 namespace orchard::procs {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder_lock.hpp"
 #include "mapper/map_saver.hpp"

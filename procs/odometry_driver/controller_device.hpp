@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bus/driver/stream_process.hpp"
+#include "bus/process/stream_process.hpp"
 #include "device/drivers_config.hpp"
 
 namespace orchard::procs {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "pose/pose_node.hpp"
 

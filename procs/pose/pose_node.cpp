@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "io/config/prior_map_file.hpp"
+#include "io/map/prior_map_file.hpp"
 #include "pose/make_localiser.hpp"
 
 namespace orchard::procs {

@@ -2,7 +2,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/scene_rig.hpp"
 #include "sim_driver/sim_source.hpp"
 

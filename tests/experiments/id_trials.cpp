@@ -4,7 +4,7 @@
 
 #include "experiments/changed_block.hpp"
 #include "experiments/two_map_trials.hpp"
-#include "mapping/rows/number_keeping.hpp"
+#include "mapping/compare/number_keeping.hpp"
 
 namespace orchard::trials {
 namespace {

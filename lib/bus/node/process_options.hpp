@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/node/process_info.hpp"
 #include "io/config/config_file.hpp"
 
 namespace orchard::bus {

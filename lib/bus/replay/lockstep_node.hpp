@@ -13,7 +13,7 @@
 
 #include "bus/bus.hpp"
 #include "bus/node/node_host.hpp"
-#include "bus/node/process.hpp"
+#include "bus/node/process_info.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
 #include "io/file_error.hpp"
 #include "io/map/graph_json.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/trajectory_csv.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -46,7 +46,7 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
                     " is too wide for a trunk, like most others; the map seems to be in "
                     "millimetres, give it in metres");
   }
-  const double spacing_m = mapping::typical_spacing_m(mapping::IndexedPoints(places));
+  const double spacing_m = geometry::typical_spacing_m(geometry::IndexedPoints(places));
   if (landmarks.size() < 3) return;
   if (spacing_m > 0.0 && spacing_m < kNarrowestSpacing_m) {
     throw FileError(at_line(name, 0) + "x_m, y_m: landmarks are " + fixed_text(spacing_m, 4) +

@@ -42,13 +42,13 @@ struct Anchor {
 
 /// Positions and widths of the points of a map.
 struct Trunks {
-  const IndexedPoints& places;
+  const geometry::IndexedPoints& places;
   const std::vector<double>& width_m;
 };
 
 /// The farthest point from `first` within the baseline; with `along`, only within about ten degrees
 /// of that axis. -1 for none.
-std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* along) {
+std::int32_t far_end(const geometry::IndexedPoints& a, std::size_t first, const Vector2d* along) {
   constexpr double kAside = 0.17;  ///< sine of the angle
   std::int32_t farthest = -1;
   double farthest_m = 0.0;
@@ -64,7 +64,8 @@ std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* 
 }
 
 /// Points around an anchor, at most `aside_m` from the line through its two points.
-std::vector<std::int32_t> support_of(const IndexedPoints& a, const Anchor& anchor, double aside_m) {
+std::vector<std::int32_t> support_of(const geometry::IndexedPoints& a, const Anchor& anchor,
+                                     double aside_m) {
   const Vector2d along = (a[anchor.second] - a[anchor.first]).stableNormalized();
   std::vector<std::int32_t> support;
   for (const std::int32_t i : a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumSupport)) {
@@ -89,7 +90,7 @@ std::vector<std::size_t> scattered(std::size_t count) {
 
 /// Anchors at `count` points spread over a: each point with the farthest one, and with the farthest
 /// one along its row, because two drives may share only one row.
-std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
+std::vector<Anchor> anchors_of(const geometry::IndexedPoints& a, std::size_t count) {
   std::vector<std::size_t> order(a.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
@@ -174,8 +175,8 @@ bool is_allowed(const geometry::Pose2& T_a_b, const Vector2d& p_a, const Alignme
 
 /// Calls visit(b1, b2) for every pair of points of b whose distance matches the anchor's.
 template <class Visit>
-void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
-                          const AlignmentSearch& search, Visit&& visit) {
+void for_each_counterpart(const geometry::IndexedPoints& a, const geometry::IndexedPoints& b,
+                          const Anchor& anchor, const AlignmentSearch& search, Visit&& visit) {
   const double length_m = (a[anchor.second] - a[anchor.first]).norm();
   const double slack_m = std::min(0.3, search.gate_m);
   const auto fits = [&](std::int32_t i, std::int32_t j) {
@@ -203,7 +204,7 @@ void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const 
   }
 }
 
-geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
+geometry::Pose2 fit_pairs(const geometry::IndexedPoints& a, const geometry::IndexedPoints& b,
                           const std::vector<LandmarkPair>& pairs, const Vector2d& middle_a,
                           double radius_m, const geometry::Pose2& before) {
   std::vector<Vector2d> p_a, p_b;
@@ -217,7 +218,7 @@ geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
 }
 
 /// Fits outwards from the anchor: distant pairs are correct only once the rotation is accurate.
-AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
+AlignmentCandidate refined(const geometry::IndexedPoints& a, const geometry::IndexedPoints& b,
                            const AlignmentHypothesis& hypothesis, double gate_m) {
   AlignmentCandidate candidate{hypothesis.T_a_b, {}};
   double radius_m = 0.6 * kBaseline_m;
@@ -310,14 +311,14 @@ class Agreement {
 
 }  // namespace
 
-AlignmentCandidates alignment_candidates(const IndexedPoints& a,
+AlignmentCandidates alignment_candidates(const geometry::IndexedPoints& a,
                                          const std::vector<double>& width_of_a_m,
-                                         const IndexedPoints& b,
+                                         const geometry::IndexedPoints& b,
                                          const std::vector<double>& width_of_b_m,
                                          const AlignmentSearch& search) {
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
-  const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
+  const double spacing_m = std::max(geometry::typical_spacing_m(a), 2.0 * search.gate_m);
   std::vector<AlignmentHypothesis> hypotheses;
   Agreement of_anchors(search.gate_m, spacing_m);
   for (const Anchor& anchor : anchors_of(a, kNumAnchors)) {

@@ -31,9 +31,9 @@ struct AlignmentCandidates {
 /// from all over a are matched to pairs of equal distance in b and refined with their inliers. If
 /// there are too many, keeps those with most inliers and those whose positions and widths [m] agree
 /// best. Deterministic.
-AlignmentCandidates alignment_candidates(const IndexedPoints& a,
+AlignmentCandidates alignment_candidates(const geometry::IndexedPoints& a,
                                          const std::vector<double>& width_of_a_m,
-                                         const IndexedPoints& b,
+                                         const geometry::IndexedPoints& b,
                                          const std::vector<double>& width_of_b_m,
                                          const AlignmentSearch& search);
 

@@ -10,7 +10,7 @@ namespace orchard::mapping {
 
 /// Trunks of one map used for registration.
 struct AlignmentTrunks {
-  IndexedPoints places;
+  geometry::IndexedPoints places;
   std::vector<double> width_m;
   std::vector<const Landmark*> landmarks;
   /// Probability that an existing trunk of the other map, at a position in this map's frame, is

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/compare/clump.hpp"
 
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -15,7 +15,7 @@ std::vector<char> in_clumps(const std::vector<Landmark>& landmarks, const ClumpC
   for (const Landmark& l : landmarks) {
     if (l.width_m > config.stake_m) places.push_back({l.x_m, l.y_m});
   }
-  const IndexedPoints things(std::move(places));
+  const geometry::IndexedPoints things(std::move(places));
   std::vector<char> result;
   for (const Landmark& l : landmarks) {
     const int itself = l.width_m > config.stake_m ? 1 : 0;

@@ -18,72 +18,6 @@ std::vector<Vector2d> landmark_positions(const std::vector<Landmark>& landmarks)
   return places;
 }
 
-IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(points)) {
-  if (points_.empty()) return;
-  corner_ = points_.front();
-  Vector2d far = points_.front();
-  for (const Vector2d& p : points_) {
-    corner_ = corner_.cwiseMin(p);
-    far = far.cwiseMax(p);
-  }
-  // Limit the number of cells, however large the area is.
-  const double num_cells_max = 8.0 * static_cast<double>(points_.size()) + 1024.0;
-  const auto num_along = [this](double way_m) { return std::floor(way_m * cells_per_m_) + 1.0; };
-  const Vector2d way_m = far - corner_;
-  while (num_along(way_m.x()) * num_along(way_m.y()) > num_cells_max) cells_per_m_ *= 0.5;
-  num_columns_ = static_cast<std::size_t>(num_along(way_m.x()));
-  num_lines_ = static_cast<std::size_t>(num_along(way_m.y()));
-  const auto cell_of = [this](const Vector2d& p) {
-    return line(p.y()) * num_columns_ + column(p.x());
-  };
-  begins_.assign(num_columns_ * num_lines_ + 1, 0);
-  for (const Vector2d& p : points_) ++begins_[cell_of(p) + 1];
-  for (std::size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
-  std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
-  by_cell_.resize(points_.size());
-  points_by_cell_.resize(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const std::uint32_t k = next[cell_of(points_[i])]++;
-    by_cell_[k] = static_cast<std::int32_t>(i);
-    points_by_cell_[k] = points_[i];
-  }
-}
-
-std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
-  std::int32_t best = -1;
-  double best_m2 = radius_m * radius_m;
-  visit_cells(p, radius_m, [&](std::uint32_t k) {
-    const double d_m2 = (points_by_cell_[k] - p).squaredNorm();
-    if (d_m2 > best_m2) return;
-    const std::int32_t i = by_cell_[k];
-    if (d_m2 < best_m2 || best < 0 || i < best) {
-      best = i;
-      best_m2 = d_m2;
-    }
-  });
-  return best;
-}
-
-std::vector<std::int32_t> IndexedPoints::within(const Vector2d& p, double radius_m) const {
-  std::vector<std::int32_t> found;
-  visit_cells(p, radius_m, [&](std::uint32_t k) {
-    if ((points_by_cell_[k] - p).norm() <= radius_m) found.push_back(by_cell_[k]);
-  });
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
-std::vector<std::int32_t> IndexedPoints::nearest_few(const Vector2d& p, double radius_m,
-                                                     std::size_t count) const {
-  std::vector<std::int32_t> found = within(p, radius_m);
-  std::stable_sort(found.begin(), found.end(), [&](std::int32_t i, std::int32_t j) {
-    return (points_[static_cast<std::size_t>(i)] - p).squaredNorm() <
-           (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
-  });
-  if (found.size() > count) found.resize(count);
-  return found;
-}
-
 namespace {
 
 struct Offer {
@@ -91,7 +25,7 @@ struct Offer {
   LandmarkPair pair;
 };
 
-void offer(const IndexedPoints& a, std::int32_t j, const Vector2d& p_a, double gate_m,
+void offer(const geometry::IndexedPoints& a, std::int32_t j, const Vector2d& p_a, double gate_m,
            std::vector<Offer>& offers) {
   for (const std::int32_t i : a.within(p_a, gate_m)) {
     const Vector2d residual_m = p_a - a[static_cast<std::size_t>(i)];
@@ -120,7 +54,8 @@ std::vector<LandmarkPair> nearest_pairs_of(std::vector<Offer> offers, std::size_
 
 }  // namespace
 
-std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
+std::vector<LandmarkPair> pair_landmarks(const geometry::IndexedPoints& a,
+                                         const geometry::IndexedPoints& b,
                                          const geometry::Pose2& T_a_b, double gate_m) {
   std::vector<Offer> offers;
   const Eigen::Matrix2d R_a_b = rotation(T_a_b);
@@ -130,7 +65,8 @@ std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPo
   return nearest_pairs_of(std::move(offers), a.size(), b.size());
 }
 
-std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const IndexedPoints& b,
+std::vector<LandmarkPair> pair_landmarks_near(const geometry::IndexedPoints& a,
+                                              const geometry::IndexedPoints& b,
                                               const geometry::Pose2& T_a_b, double gate_m,
                                               const Vector2d& p_a, double radius_m) {
   std::vector<Offer> offers;
@@ -141,13 +77,13 @@ std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const Inde
   return nearest_pairs_of(std::move(offers), a.size(), b.size());
 }
 
-void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& pairs) {
+void remove_common_residuals(const geometry::IndexedPoints& a, std::vector<LandmarkPair>& pairs) {
   constexpr std::size_t kNumNeighbours = 10, kFewest = 12;
   constexpr double kReach_m = 25.0;
   if (pairs.size() < kFewest) return;
   std::vector<Vector2d> places;
   for (const LandmarkPair& pair : pairs) places.push_back(a[static_cast<std::size_t>(pair.a)]);
-  const IndexedPoints paired(std::move(places));
+  const geometry::IndexedPoints paired(std::move(places));
   std::vector<Vector2d> common(pairs.size(), Vector2d(0.0, 0.0));
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     double reach_m = 4.0;
@@ -166,20 +102,6 @@ void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& 
     common[k] = {geometry::median(std::move(x_m)), geometry::median(std::move(y_m))};
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) pairs[k].residual_m -= common[k];
-}
-
-double typical_spacing_m(const IndexedPoints& points) {
-  std::vector<double> distances_m;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (double reach_m = 2.0; reach_m < 200.0; reach_m *= 3.0) {
-      const auto near = points.nearest_few(points[i], reach_m, 2);
-      if (near.size() < 2) continue;
-      const auto other = static_cast<std::size_t>(near[0]) == i ? near[1] : near[0];
-      distances_m.push_back((points[static_cast<std::size_t>(other)] - points[i]).norm());
-      break;
-    }
-  }
-  return geometry::median(std::move(distances_m));
 }
 
 }  // namespace orchard::mapping

@@ -7,7 +7,8 @@ namespace orchard::mapping {
 
 using Eigen::Vector2d;
 
-std::vector<Vector2d> without_local_deformation(const IndexedPoints& a, const IndexedPoints& b,
+std::vector<Vector2d> without_local_deformation(const geometry::IndexedPoints& a,
+                                                const geometry::IndexedPoints& b,
                                                 const MapAlignment& alignment) {
   constexpr std::size_t kNumNeighbours = 10, kNumPairsMin = 12;
   std::vector<Vector2d> places;
@@ -17,7 +18,7 @@ std::vector<Vector2d> without_local_deformation(const IndexedPoints& a, const In
   for (const LandmarkPair& pair : alignment.pairs) {
     paired.push_back(a[static_cast<std::size_t>(pair.a)]);
   }
-  const IndexedPoints around(std::move(paired));
+  const geometry::IndexedPoints around(std::move(paired));
   std::vector<Vector2d> result = places;
   for (std::size_t j = 0; j < places.size(); ++j) {
     std::vector<std::int32_t> near;

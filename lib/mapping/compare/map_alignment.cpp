@@ -32,7 +32,7 @@ struct Selection {
 };
 
 /// Whether landmarks surround a position on all sides, so that it is inside the map.
-bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
+bool is_surrounded(const geometry::IndexedPoints& points, const Vector2d& p) {
   constexpr double kReach_m = 12.0, kWidestGap_rad = 2.6;
   constexpr std::size_t kNum = 10;
   std::vector<double> angles;
@@ -51,7 +51,7 @@ bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
 
 Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
                  const DetectionMap& view, const DetectionMap& of_other) {
-  Selection s{{}, {IndexedPoints({}), {}, {}, {}}};
+  Selection s{{}, {geometry::IndexedPoints({}), {}, {}, {}}};
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!with_objects && landmarks[i].label == detection::Label::kObject) continue;
@@ -60,14 +60,14 @@ Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
     s.trunks.width_m.push_back(landmarks[i].width_m);
     s.trunks.landmarks.push_back(&landmarks[i]);
   }
-  s.trunks.places = IndexedPoints(places);
+  s.trunks.places = geometry::IndexedPoints(places);
   if (view.is_known()) {
     s.trunks.missed = [&view, &of_other](const Vector2d& p, const Landmark& l) {
       return view.probability_missed(p, of_other, l);
     };
   } else {
-    s.trunks.missed = [points = IndexedPoints(std::move(places))](const Vector2d& p,
-                                                                  const Landmark&) {
+    s.trunks.missed = [points = geometry::IndexedPoints(std::move(places))](const Vector2d& p,
+                                                                            const Landmark&) {
       return is_surrounded(points, p) ? 0.0 : 1.0;
     };
   }
@@ -88,7 +88,7 @@ double log_null_probability(double count, double mean) {
 }
 
 /// Expected number of points of b that find a partner under a random alignment.
-double expected_under_null(const IndexedPoints& a, double num_b, double gate_m) {
+double expected_under_null(const geometry::IndexedPoints& a, double num_b, double gate_m) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Vector2d& p : a.points()) {
     x0 = std::min(x0, p.x()), x1 = std::max(x1, p.x());
@@ -99,7 +99,7 @@ double expected_under_null(const IndexedPoints& a, double num_b, double gate_m) 
   return std::min(0.9, fraction) * num_b;
 }
 
-Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignment) {
+Eigen::Matrix3d covariance_of(const geometry::IndexedPoints& b, const MapAlignment& alignment) {
   // About ten neighbours share a deformation, which reduces the effective number of pairs.
   constexpr double kNeighbours = 10.0;
   const double straight_m2 = alignment.position_sd_m * alignment.position_sd_m;
@@ -116,8 +116,8 @@ Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignm
   return (straight_m2 + kNeighbours * bend_m2) * information.inverse();
 }
 
-double apart_m(const geometry::Pose2& T, const geometry::Pose2& other, const IndexedPoints& b,
-               const std::vector<LandmarkPair>& pairs) {
+double apart_m(const geometry::Pose2& T, const geometry::Pose2& other,
+               const geometry::IndexedPoints& b, const std::vector<LandmarkPair>& pairs) {
   Vector2d middle(0.0, 0.0);
   for (const LandmarkPair& pair : pairs) {
     middle += b[static_cast<std::size_t>(pair.b)] / static_cast<double>(pairs.size());
@@ -146,8 +146,8 @@ class MapAligner {
         with_objects_(std::min(num_not_objects(a), num_not_objects(b)) < kFewTrees),
         a_(select(a, with_objects_, view_a, view_b)),
         b_(select(b, with_objects_, view_b, view_a)),
-        spacing_m_(
-            std::min(typical_spacing_m(a_.trunks.places), typical_spacing_m(b_.trunks.places))) {
+        spacing_m_(std::min(geometry::typical_spacing_m(a_.trunks.places),
+                            geometry::typical_spacing_m(b_.trunks.places))) {
     search_.any_place = config.any_place;
     search_.offset_max_m = config.offset_max_m;
     search_.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;

@@ -186,7 +186,7 @@ struct Side {
   const std::vector<Landmark>& landmarks;
   const DetectionMap& view;
   geometry::Pose2 T_map_a;  ///< from the frame of `places`, the earlier map, to this map
-  IndexedPoints places;
+  geometry::IndexedPoints places;
   std::vector<char> in_clump;
   std::vector<bool> is_paired;
   /// Probability that an unpaired landmark did not move but is gone or new.
@@ -211,9 +211,11 @@ class MapComparer {
       : config_(config),
         a_(a, view_a, geometry::Pose2{}, landmark_positions(a), config.clump),
         b_(b, view_b, inverse(alignment.T_a_b),
-           without_local_deformation(a_.places, IndexedPoints(landmark_positions(b)), alignment),
+           without_local_deformation(a_.places, geometry::IndexedPoints(landmark_positions(b)),
+                                     alignment),
            config.clump) {
-    const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_clump)));
+    const double spacing_m =
+        geometry::typical_spacing_m(geometry::IndexedPoints(lone_trees(a, a_.in_clump)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
     pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
     typical_variance_ = typical_variance(a, b, pairs_);

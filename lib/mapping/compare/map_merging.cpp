@@ -113,10 +113,10 @@ std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>&
     merged.next_id = std::max(merged.next_id, l.id + 1);
   }
   for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
-  const IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
+  const geometry::IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
   // Pair after local alignment, so that deformation does not duplicate a tree.
-  const IndexedPoints b_in_a(without_local_deformation(a_points, b_points, alignment));
-  const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
+  const geometry::IndexedPoints b_in_a(without_local_deformation(a_points, b_points, alignment));
+  const double gate_m = std::clamp(0.35 * geometry::typical_spacing_m(a_points), 0.1, 0.5);
   std::vector<std::int32_t> partner(b.size(), -1);
   for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, geometry::Pose2{}, gate_m)) {
     partner[static_cast<std::size_t>(pair.b)] = pair.a;

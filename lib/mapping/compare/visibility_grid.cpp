@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/indexed_points.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/visibility.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -67,7 +67,8 @@ std::size_t bearing_index(double bearing_rad) {
 }
 
 /// Free range from a point in every direction of the map.
-std::vector<float> free_distance_m(const Vector2d& p, double reach_m, const IndexedPoints& things,
+std::vector<float> free_distance_m(const Vector2d& p, double reach_m,
+                                   const geometry::IndexedPoints& things,
                                    const std::vector<double>& radius_m) {
   std::vector<float> free_m(kNumBearings, static_cast<float>(reach_m));
   for (const std::int32_t i : things.within(p, reach_m)) {
@@ -120,7 +121,7 @@ VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
     places.push_back({l.x_m, l.y_m});
     radius_m.push_back(0.5 * l.width_m);
   }
-  const IndexedPoints things(std::move(places));
+  const geometry::IndexedPoints things(std::move(places));
   for (const auto& trajectory : trajectories) {
     for (const View& v : views_of(trajectory, view)) {
       std::vector<float> free_m = free_distance_m(v.p_laser, view.reach_m, things, radius_m);

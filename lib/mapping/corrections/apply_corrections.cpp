@@ -6,7 +6,7 @@
 #include <set>
 
 #include "detection/label_text.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 #include "mapping/compare/map_merging.hpp"
 #include "text/number_text.hpp"
 
@@ -20,7 +20,8 @@ using Outcome = CorrectionOutcome;
 double reach_of(const std::vector<Landmark>& landmarks) {
   std::vector<Vector2d> places;
   for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
-  return std::clamp(0.35 * typical_spacing_m(IndexedPoints(std::move(places))), 0.1, 0.5);
+  return std::clamp(0.35 * geometry::typical_spacing_m(geometry::IndexedPoints(std::move(places))),
+                    0.1, 0.5);
 }
 
 Vector2d place_of(const Landmark& l) { return {l.x_m, l.y_m}; }

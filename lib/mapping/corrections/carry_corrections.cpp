@@ -3,8 +3,8 @@
 
 #include <map>
 
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -34,7 +34,8 @@ class Bend {
   }
 
  private:
-  IndexedPoints known_of(const std::vector<Landmark>& earlier, const std::vector<Landmark>& now) {
+  geometry::IndexedPoints known_of(const std::vector<Landmark>& earlier,
+                                   const std::vector<Landmark>& now) {
     std::map<std::int32_t, Vector2d> places_now;
     for (const Landmark& l : now) places_now[l.id] = {l.x_m, l.y_m};
     std::vector<Vector2d> places;
@@ -45,12 +46,12 @@ class Bend {
       places.push_back(p_earlier);
       shifts_m_.push_back(found->second - inverse_transform(T_earlier_now_, p_earlier));
     }
-    return IndexedPoints(std::move(places));
+    return geometry::IndexedPoints(std::move(places));
   }
 
   Pose2 T_earlier_now_;
   std::vector<Vector2d> shifts_m_;
-  IndexedPoints known_;
+  geometry::IndexedPoints known_;
 };
 
 }  // namespace

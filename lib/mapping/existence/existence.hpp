@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mapping/existence/existence_config.hpp"
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/map_update.hpp"
 #include "mapping/store/state_archive.hpp"

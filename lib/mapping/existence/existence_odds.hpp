@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 
 namespace orchard::mapping {
 

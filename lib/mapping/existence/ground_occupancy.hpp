@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/point_grid.hpp"
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {

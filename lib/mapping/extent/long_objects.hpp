@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 #include "mapping/landmark.hpp"
 
 namespace orchard::mapping {

@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
+#include "mapping/compare/number_keeping.hpp"
 #include "mapping/extent/long_objects.hpp"
 #include "mapping/extent/stem_scatter.hpp"
 #include "mapping/rows/hedge_rows.hpp"
-#include "mapping/rows/number_keeping.hpp"
 #include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::mapping {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 
@@ -70,7 +70,7 @@ double typical_alley_m(const OrchardPlan& plan) {
   constexpr double kWidestAlley_m = 30.0;
   constexpr std::size_t kNumAsked = 2000;
   const std::vector<PlanIndex> indices = plan_indices(plan);
-  const IndexedPoints places(plan.places());
+  const geometry::IndexedPoints places(plan.places());
   const std::size_t step = std::max<std::size_t>(1, places.size() / kNumAsked);
   std::vector<double> alleys_m;
   for (std::size_t i = 0; i < places.size(); i += step) {

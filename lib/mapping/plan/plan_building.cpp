@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 #include "mapping/rows/rows.hpp"
 #include "text/number_text.hpp"
 
@@ -81,7 +81,7 @@ void look_for_doubles(BuiltPlan& built) {
     }
   }
   const std::vector<PlanIndex> indices = plan_indices(built.plan);
-  const IndexedPoints places(built.plan.places());
+  const geometry::IndexedPoints places(built.plan.places());
   const auto name_of = [&](std::size_t i) {
     const PlannedRow& row = built.plan.rows[static_cast<std::size_t>(indices[i].row)];
     return row.name + "/" + row.trees[static_cast<std::size_t>(indices[i].tree)].name;

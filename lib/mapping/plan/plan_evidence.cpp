@@ -26,7 +26,8 @@ double missing_log_likelihood(double probability_missed) {
   return std::log(kRare + (1.0 - kRare) * probability_missed);
 }
 
-double plan_log_likelihood(const IndexedPoints& planned, const geometry::Pose2& T_map_plan,
+double plan_log_likelihood(const geometry::IndexedPoints& planned,
+                           const geometry::Pose2& T_map_plan,
                            const std::vector<LandmarkPair>& pairs, const PlanNoise& noise,
                            const MissProbability& missed) {
   double log = 0.0;

@@ -20,7 +20,8 @@ using MissProbability = std::function<double(const Eigen::Vector2d& p_map)>;
 
 /// Log-likelihood of the planned and mapped trees for one placement of the plan. Prior: one planned
 /// tree in twenty is missing, one mapped tree in twenty is extra.
-double plan_log_likelihood(const IndexedPoints& planned, const geometry::Pose2& T_map_plan,
+double plan_log_likelihood(const geometry::IndexedPoints& planned,
+                           const geometry::Pose2& T_map_plan,
                            const std::vector<LandmarkPair>& pairs, const PlanNoise& noise,
                            const MissProbability& missed);
 

@@ -31,10 +31,10 @@ constexpr double kPositionSdMin_m = 0.03;
 
 class PlanFitter {
  public:
-  PlanFitter(const IndexedPoints& mapped, const IndexedPoints& planned,
+  PlanFitter(const geometry::IndexedPoints& mapped, const geometry::IndexedPoints& planned,
              const MissProbability& missed, const MapAlignmentConfig& config)
       : mapped_(mapped), planned_(planned), missed_(missed), config_(config) {
-    spacing_m_ = typical_spacing_m(planned);
+    spacing_m_ = geometry::typical_spacing_m(planned);
     noise_.gate_m = std::clamp(0.35 * spacing_m_, 0.1, 1.0);
     noise_.trees_per_m2 = density();
     search_.any_place = config.any_place;
@@ -269,8 +269,8 @@ class PlanFitter {
     return fit;
   }
 
-  const IndexedPoints& mapped_;
-  const IndexedPoints& planned_;
+  const geometry::IndexedPoints& mapped_;
+  const geometry::IndexedPoints& planned_;
   const MissProbability& missed_;
   const MapAlignmentConfig& config_;
   AlignmentSearch search_;
@@ -281,7 +281,7 @@ class PlanFitter {
 
 }  // namespace
 
-PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned,
+PlanFit fit_plan(const geometry::IndexedPoints& mapped, const geometry::IndexedPoints& planned,
                  const MissProbability& missed, const MapAlignmentConfig& config) {
   if (mapped.size() < 2 || planned.size() < 2) {
     PlanFit fit;

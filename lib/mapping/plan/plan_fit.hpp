@@ -32,7 +32,7 @@ struct PlanFit {
 /// trees is evaluated. The best one must beat every other by odds of a thousand to one, with four
 /// trees counted as one, from trees without position and positions without tree where the drive
 /// would have seen one (`missed`). Deterministic.
-PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned,
+PlanFit fit_plan(const geometry::IndexedPoints& mapped, const geometry::IndexedPoints& planned,
                  const MissProbability& missed, const MapAlignmentConfig& config);
 
 }  // namespace orchard::mapping

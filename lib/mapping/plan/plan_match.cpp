@@ -36,9 +36,9 @@ class PlanMatcher {
       (is_object ? objects : trees).push_back({landmarks[i].x_m, landmarks[i].y_m});
       (is_object ? object_index_ : tree_index_).push_back(static_cast<std::int32_t>(i));
     }
-    mapped_ = IndexedPoints(std::move(trees));
-    objects_ = IndexedPoints(std::move(objects));
-    spacing_m_ = typical_spacing_m(planned_);
+    mapped_ = geometry::IndexedPoints(std::move(trees));
+    objects_ = geometry::IndexedPoints(std::move(objects));
+    spacing_m_ = geometry::typical_spacing_m(planned_);
     alley_m_ = typical_alley_m(plan);
     if (alley_m_ <= 0.0) alley_m_ = 2.0 * spacing_m_;
     if (view.is_known()) {
@@ -84,13 +84,13 @@ class PlanMatcher {
   }
 
   /// Index of the planned position nearest to a point; -1 if it is too far from any row.
-  std::int32_t nearest_place(const IndexedPoints& places, const Vector2d& p) const {
+  std::int32_t nearest_place(const geometry::IndexedPoints& places, const Vector2d& p) const {
     return places.nearest(p, std::max(alley_m_, 2.0 * spacing_m_));
   }
 
   void shift_rows(PlanMatch& match) {
     noise_.position_sd_m = match.fit.position_sd_m;
-    const IndexedPoints places(places_);
+    const geometry::IndexedPoints places(places_);
     std::vector<RegisteredRow> laid(plan_.rows.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
       RegisteredRow& row = laid[static_cast<std::size_t>(indices_[i].row)];
@@ -136,7 +136,7 @@ class PlanMatcher {
   }
 
   void find_trees(PlanMatch& match) {
-    const IndexedPoints shifted(shifted_);
+    const geometry::IndexedPoints shifted(shifted_);
     partner_.assign(places_.size(), -1);
     is_paired_.assign(mapped_.size(), false);
     for (const LandmarkPair& pair :
@@ -206,7 +206,7 @@ class PlanMatcher {
   }
 
   void find_extra(PlanMatch& match) {
-    const IndexedPoints shifted(shifted_);
+    const geometry::IndexedPoints shifted(shifted_);
     for (std::size_t k = 0; k < mapped_.size(); ++k) {
       if (is_paired_[k]) continue;
       PlanFinding f;
@@ -242,9 +242,9 @@ class PlanMatcher {
   const std::vector<Landmark>& landmarks_;
   const PlanMatchConfig& config_;
   std::vector<PlanIndex> indices_;
-  IndexedPoints planned_;
-  IndexedPoints mapped_;
-  IndexedPoints objects_;
+  geometry::IndexedPoints planned_;
+  geometry::IndexedPoints mapped_;
+  geometry::IndexedPoints objects_;
   std::vector<std::int32_t> tree_index_, object_index_;  ///< into landmarks_
   double spacing_m_ = 0.0;
   double alley_m_ = 0.0;

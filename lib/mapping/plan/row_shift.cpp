@@ -49,7 +49,7 @@ class RowShifter {
   /// Shifts that move a planned position onto a tree.
   std::vector<RowShift> to_try() const {
     std::vector<RowShift> shifts;
-    const IndexedPoints places(row_.places_map);
+    const geometry::IndexedPoints places(row_.places_map);
     for (const Vector2d& tree : row_.trees_map) {
       for (const std::int32_t i : places.nearest_few(tree, 2.0 * spacing_m_, 4)) {
         const auto k = static_cast<std::size_t>(i);
@@ -103,7 +103,7 @@ class RowShifter {
   }
 
   const RegisteredRow& row_;
-  IndexedPoints trees_;
+  geometry::IndexedPoints trees_;
   double spacing_m_;
   double gate_m_;
   const PlanNoise& noise_;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/polyline.hpp"
 
@@ -33,7 +33,7 @@ class Obstacles {
   double clearance_m(const Line& line, double reach_m) const;
 
  private:
-  IndexedPoints places_;
+  geometry::IndexedPoints places_;
   std::vector<double> radius_m_;
   double largest_m_ = 0.0;
 };

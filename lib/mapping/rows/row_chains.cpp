@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -170,7 +170,7 @@ class Linker {
   const std::vector<Eigen::Vector2d>& p_map_;
   double spacing_m_ = 0.0;
   std::vector<Eigen::Vector2d> directions_;
-  IndexedPoints points_;
+  geometry::IndexedPoints points_;
   std::vector<std::int32_t> next_, previous_;
   double row_spacing_m_ = 0.0;
 };

@@ -7,8 +7,8 @@
 #include <deque>
 
 #include "geometry/angles.hpp"
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -28,7 +28,7 @@ struct Neighbours {
   std::vector<std::int32_t> indices;
 };
 
-double nearest_distance_m(const IndexedPoints& points, std::size_t i) {
+double nearest_distance_m(const geometry::IndexedPoints& points, std::size_t i) {
   for (double reach_m = 2.0; reach_m < 600.0; reach_m *= 2.0) {
     double nearest_m = reach_m;
     points.near(points[i], reach_m, [&](std::int32_t j) {
@@ -166,7 +166,7 @@ void orient(std::vector<Eigen::Vector2d>& axes) {
 RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   RowDirections result;
   if (p_map.size() < 3) return result;
-  const IndexedPoints points(p_map);
+  const geometry::IndexedPoints points(p_map);
   std::vector<double> nearest_m;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     nearest_m.push_back(nearest_distance_m(points, i));

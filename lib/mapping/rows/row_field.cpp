@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -119,7 +119,7 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
     overall += link.length_m * Vector2d(std::cos(link.angle_rad), std::sin(link.angle_rad));
   }
   overall.normalize();
-  const IndexedPoints points(std::move(middles));
+  const geometry::IndexedPoints points(std::move(middles));
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     const std::vector<std::int32_t> near = points.within(p_map[i], reach_m);
     if (near.empty()) {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_chains.hpp"
 
 namespace orchard::mapping {
@@ -19,7 +19,7 @@ using Eigen::Vector2d;
 constexpr double kOnePlace_spacings = 0.3;
 /// Tree spacing along the rows [m] in the presence of clutter. Stems, bushes and hedges only reduce
 /// nearest-neighbour distances, so the upper quartile is used.
-double spacing_amid_clutter_m(const IndexedPoints& points) {
+double spacing_amid_clutter_m(const geometry::IndexedPoints& points) {
   std::vector<double> distances_m;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (double reach_m = 2.0; reach_m < 200.0; reach_m *= 3.0) {
@@ -50,8 +50,8 @@ std::vector<std::size_t> seed_trees(const std::vector<Vector2d>& p_map,
     if (strengths[i] >= 1.0) strong.push_back(p_map[i]);
   }
   const double reach_m =
-      kOnePlace_spacings * spacing_amid_clutter_m(IndexedPoints(std::move(strong)));
-  const IndexedPoints all(p_map);
+      kOnePlace_spacings * spacing_amid_clutter_m(geometry::IndexedPoints(std::move(strong)));
+  const geometry::IndexedPoints all(p_map);
   std::vector<std::size_t> by_strength(p_map.size());
   std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});
   std::stable_sort(by_strength.begin(), by_strength.end(),

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -26,7 +26,7 @@ std::map<std::pair<int, int>, Beside> neighbours_to_the_right(const std::vector<
                                                               const RowDirections& rows,
                                                               const std::vector<int>& chain_of) {
   const double reach_m = 6.0 * rows.spacing_m;
-  const IndexedPoints points(p_map);
+  const geometry::IndexedPoints points(p_map);
   std::map<std::pair<int, int>, Beside> beside;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (chain_of[i] < 0) continue;

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -281,7 +281,7 @@ class Tracker {
   const std::vector<Vector2d>& p_map_;
   const std::vector<LocalRows>& local_;
   RowRegularity regularity_;
-  IndexedPoints points_;
+  geometry::IndexedPoints points_;
   double begin_cost_ = 0.0;
   std::vector<double> log_clutter_, log_confidence_;
   std::vector<std::vector<Edge>> edges_;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_chains.hpp"
 #include "mapping/rows/row_field.hpp"
 #include "mapping/rows/row_members.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/position_mode.hpp"

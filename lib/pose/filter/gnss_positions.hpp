@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "pose/filter/gnss_config.hpp"
+#include "pose/gnss_config.hpp"
 #include "pose/measurements.hpp"
 
 namespace orchard::pose {

@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
+#include "pose/dead_reckoning.hpp"
 #include "pose/filter/displacement_histories.hpp"
 #include "pose/filter/fusion_filter.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/pose_config.hpp"
-#include "pose/slam/dead_reckoning.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "geometry/statistics.hpp"
-#include "pose/filter/gnss_config.hpp"
+#include "pose/gnss_config.hpp"
 #include "pose/graph/factors.hpp"
 #include "pose/graph/georeference.hpp"
 #include "timing/units.hpp"

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "detection/detection.hpp"
+#include "pose/dead_reckoning.hpp"
 #include "pose/measurements.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/slam/dead_reckoning.hpp"
 #include "pose/slam/loop_closer.hpp"
+#include "pose/slam/scan_loop_closer.hpp"
 #include "pose/slam/slam_map.hpp"
 #include "pose/slam/slam_tracker.hpp"
 #include "pose/slam_config.hpp"
-#include "pose/submap/scan_loop_closer.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 
 namespace orchard::simulation {
 namespace {

@@ -11,7 +11,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 #include "vision/jpeg_writer.hpp"
 
 namespace orchard::simulation {

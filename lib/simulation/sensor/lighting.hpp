@@ -4,7 +4,7 @@
 #include <array>
 
 #include "simulation/sensor/light_config.hpp"
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 
 namespace orchard::simulation {
 

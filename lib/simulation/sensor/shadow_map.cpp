@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 
 namespace orchard::simulation {
 namespace {

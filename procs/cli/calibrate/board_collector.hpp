@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bus/node/node.hpp"
-#include "calibration/board/stationary_views.hpp"
+#include "calibration/extrinsics/stationary_views.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "io/config/config.hpp"
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
 #include "cli/calibrate/appearance_collector.hpp"

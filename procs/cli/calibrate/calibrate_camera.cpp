@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "calibration/board/camera_acceptance.hpp"
 #include "calibration/board/view_selection.hpp"
 #include "cli/calibrate/board_views.hpp"

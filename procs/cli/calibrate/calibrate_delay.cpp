@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/calibrate/delay_collector.hpp"
 #include "geometry/angles.hpp"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/extrinsics/extrinsics_check.hpp"
 #include "calibration/extrinsics/extrinsics_import.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
 #include "calibration/trunks/hue_interval.hpp"
 #include "cli/calibrate/appearance_values.hpp"

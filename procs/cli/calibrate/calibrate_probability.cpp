@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "calibration/trunks/probability_learner.hpp"
 #include "cli/calibrate/map_samples.hpp"
 #include "cli/calibrate/probability_values.hpp"

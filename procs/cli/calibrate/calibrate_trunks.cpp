@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/trunk_appearance.hpp"
 #include "calibration/trunks/trunk_model.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "evaluation/map_evaluation.hpp"
 #include "evaluation/paper_tables.hpp"
 #include "evaluation/trajectory/trajectory_evaluation.hpp"

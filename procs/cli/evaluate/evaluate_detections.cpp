@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "evaluation/detections/detection_report.hpp"
 #include "io/atomic_file.hpp"

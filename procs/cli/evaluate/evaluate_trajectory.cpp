@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "evaluation/trajectory/trajectory_report.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/trajectory_figure.hpp"

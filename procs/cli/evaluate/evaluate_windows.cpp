@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/evaluate/worst_windows.hpp"
 #include "evaluation/window_evaluation.hpp"
 #include "io/config/config.hpp"

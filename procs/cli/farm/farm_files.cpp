@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <regex>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/farm/farm_folder.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"

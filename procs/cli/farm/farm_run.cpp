@@ -14,7 +14,7 @@
 #include <system_error>
 #include <thread>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/farm/command_run.hpp"
 #include "cli/farm/farm_status.hpp"
 #include "cli/program_folder.hpp"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 
 namespace orchard::cli {
 namespace {

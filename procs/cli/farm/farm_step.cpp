@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/farm/command_run.hpp"
 #include "cli/farm/farm_folder.hpp"
 #include "io/atomic_file.hpp"

@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -15,9 +15,9 @@
 #include <optional>
 
 #include "bus/bus.hpp"
-#include "bus/node/process.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
+#include "bus/process/process.hpp"
 #include "cli/field/field_url.hpp"
 #include "cli/field/start_time.hpp"
 #include "cli/field/status_board.hpp"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/map_edit.hpp"

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/growers/edit.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"

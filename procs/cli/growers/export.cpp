@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"

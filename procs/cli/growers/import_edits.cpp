@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/growers/edit.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/edited_map_file.hpp"

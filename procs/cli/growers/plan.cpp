@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/growers/plan_registration.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"

@@ -26,7 +26,7 @@ std::size_t index_of(PlanDeviation deviation) { return static_cast<std::size_t>(
 /// Describes a placement so that a person in the orchard can recognise it.
 std::string placement_text(const io::StoredPlan& plan, const io::StoredMap& map,
                            const geometry::Pose2& T_map_plan) {
-  const mapping::IndexedPoints places(plan.plan.places());
+  const geometry::IndexedPoints places(plan.plan.places());
   const bool has_path = !map.trajectories.empty();
   const Eigen::Vector2d p_map =
       has_path ? Eigen::Vector2d(map.trajectories.front().front().x_m,

@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/plan_names.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bus/messages/channel.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/growers/plan_registration.hpp"
 #include "cli/maps/map_input.hpp"
 #include "cli/maps/map_registration.hpp"

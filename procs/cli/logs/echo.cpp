@@ -5,8 +5,8 @@
 #include <exception>
 
 #include "bus/bus.hpp"
-#include "bus/node/process.hpp"
 #include "bus/node/stop_signal.hpp"
+#include "bus/process/process.hpp"
 #include "cli/field/field_url.hpp"
 #include "cli/logs/message_text.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "bus/bot_core/bot_core_translator.hpp"
 #include "bus/messages/codec.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/logs/import_bags.hpp"
 #include "cli/logs/imported_log.hpp"
 #include "io/bag/bag_reader.hpp"

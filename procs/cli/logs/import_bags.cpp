@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bus/messages/codec.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/logs/imported_log.hpp"
 #include "io/bag/bag_reader.hpp"

@@ -4,7 +4,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/logged_rig.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/logs/log_json.hpp"

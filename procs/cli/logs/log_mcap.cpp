@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bus/messages/codec.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"

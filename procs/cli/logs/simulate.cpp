@@ -11,7 +11,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/messages/service_messages.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/logs/simulated_rig.hpp"
 #include "cli/parent_folder.hpp"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "bus/messages/codec.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/logs/simulated_rig.hpp"
 #include "cli/parent_folder.hpp"

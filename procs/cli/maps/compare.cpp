@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/maps/map_input.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "geometry/angles.hpp"

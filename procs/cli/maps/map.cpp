@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "bus/messages/codec.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/maps/map_corrections.hpp"

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"

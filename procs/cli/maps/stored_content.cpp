@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "mapping/compare/landmark_pairing.hpp"
+#include "geometry/indexed_points.hpp"
 
 namespace orchard::cli {
 
@@ -16,7 +16,7 @@ mapping::FreeSpaceTest seen_free_of(const io::StoredMap& map) {
   for (const auto& trajectory : map.trajectories) {
     for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
   }
-  const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
+  const auto points = std::make_shared<geometry::IndexedPoints>(std::move(path));
   return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
 }
 

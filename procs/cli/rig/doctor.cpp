@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "bus/bus.hpp"
-#include "bus/node/process.hpp"
 #include "bus/node/process_report.hpp"
+#include "bus/process/process.hpp"
 #include "bus/socket_guard.hpp"
 #include "cli/field/field_url.hpp"
 #include "cli/rig/network_facts.hpp"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"

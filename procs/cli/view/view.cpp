@@ -12,8 +12,8 @@
 #include <memory>
 #include <optional>
 
-#include "bus/node/process.hpp"
 #include "bus/node/stop_signal.hpp"
+#include "bus/process/process.hpp"
 #include "cli/view/folder_page.hpp"
 #include "cli/view/log_page.hpp"
 #include "io/file_error.hpp"

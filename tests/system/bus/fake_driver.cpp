@@ -2,7 +2,7 @@
 // A driver that sends a second of a drive.
 #include <deque>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "node/bus/fake_log.hpp"
 

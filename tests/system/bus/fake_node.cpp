@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "node/bus/fake_nodes.hpp"
 

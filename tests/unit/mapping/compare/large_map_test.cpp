@@ -62,12 +62,13 @@ TEST(LargeMaps, OfTwoBlocksAreRefused) {
 }
 
 TEST(LargeMaps, PointsFarFromAllOthersAreFoundInBoundedMemory) {
-  const IndexedPoints points({{0.0, 0.0}, {1e9, -1e9}, {0.5, 0.0}, {-1e9, 3.0}, {0.0, 0.4}});
+  const geometry::IndexedPoints points(
+      {{0.0, 0.0}, {1e9, -1e9}, {0.5, 0.0}, {-1e9, 3.0}, {0.0, 0.4}});
   EXPECT_EQ(points.within({0.0, 0.0}, 0.6), (std::vector<std::int32_t>{0, 2, 4}));
   EXPECT_EQ(points.nearest({1e9, -1e9}, 1.0), 1);
   EXPECT_EQ(points.nearest({5e8, 5e8}, 10.0), -1);
   EXPECT_EQ(points.nearest_few({-0.1, 0.0}, 5.0, 2), (std::vector<std::int32_t>{0, 4}));
-  EXPECT_TRUE(IndexedPoints({}).within({0.0, 0.0}, 5.0).empty());
+  EXPECT_TRUE(geometry::IndexedPoints({}).within({0.0, 0.0}, 5.0).empty());
 }
 
 }  // namespace

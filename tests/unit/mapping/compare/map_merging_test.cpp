@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/rows/number_keeping.hpp"
+#include "mapping/compare/number_keeping.hpp"
 #include "mapping/rows/numbered_rows.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
+#include "mapping/compare/number_keeping.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
 #include "mapping/corrections/carry_corrections.hpp"
-#include "mapping/rows/number_keeping.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {

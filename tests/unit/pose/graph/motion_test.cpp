@@ -5,7 +5,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/compose_covariance.hpp"
-#include "pose/slam/dead_reckoning.hpp"
+#include "pose/dead_reckoning.hpp"
 
 namespace orchard::pose {
 using geometry::compose;

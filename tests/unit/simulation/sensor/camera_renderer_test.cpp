@@ -12,7 +12,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 #include "unit/simulation/rig.hpp"
 
 namespace orchard::simulation {

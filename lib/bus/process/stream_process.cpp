@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/driver/stream_process.hpp"
+#include "bus/process/stream_process.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bus/messages/channel.hpp"
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 #include "device/protocol.hpp"
 #include "simulation/device/emulated_device.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/config/prior_map_file.hpp"
+#include "io/map/prior_map_file.hpp"
 
 #include <cmath>
 #include <filesystem>

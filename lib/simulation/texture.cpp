@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/sensor/texture.hpp"
+#include "simulation/texture.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/dead_reckoning.hpp"
+#include "pose/dead_reckoning.hpp"
 
 #include <algorithm>
 #include <cmath>

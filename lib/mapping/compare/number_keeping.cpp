@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/rows/number_keeping.hpp"
+#include "mapping/compare/number_keeping.hpp"
 
 #include <algorithm>
 #include <map>
@@ -89,9 +89,10 @@ IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& al
     is_found[static_cast<std::size_t>(of_earlier)] = true;
     ++kept.num_found;
   };
-  const IndexedPoints then(landmark_positions(earlier)), now(landmark_positions(landmarks));
-  const IndexedPoints laid(without_local_deformation(then, now, alignment));
-  const double gate_m = std::clamp(0.35 * typical_spacing_m(then), 0.1, 0.5);
+  const geometry::IndexedPoints then(landmark_positions(earlier)),
+      now(landmark_positions(landmarks));
+  const geometry::IndexedPoints laid(without_local_deformation(then, now, alignment));
+  const double gate_m = std::clamp(0.35 * geometry::typical_spacing_m(then), 0.1, 0.5);
   // Trees: use the pairs of compare_maps(), which recognises a tree planted beside a missing one.
   // Pairs farther apart than gate_m may be moved trees, but are too uncertain.
   ComparisonConfig everywhere;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/node/process.hpp"
+#include "bus/process/process.hpp"
 
 #include <spdlog/spdlog.h>
 

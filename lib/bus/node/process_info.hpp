@@ -2,15 +2,11 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "bus/driver/driver.hpp"
-#include "bus/driver/source.hpp"
 #include "bus/node/node.hpp"
 #include "bus/node/traffic_counts.hpp"
-#include "io/config/config_file.hpp"
 
 namespace orchard::bus {
 
@@ -53,22 +49,5 @@ struct SaveRequest {
 /// Saves a node's state; called when it may have changed since the last save. In a live process an
 /// exception is reported in STATUS and the process continues.
 using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
-
-/// Runs one node as a process: parses the options, loads the configuration, opens the bus, passes
-/// validated messages to the node, publishes its outputs, STATUS and CONFIG, and flushes the node
-/// on SIGINT or SIGTERM. `make_node` is called after `config` is loaded. Prints every error as one
-/// sentence and returns the exit code.
-int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
-                     const std::function<std::unique_ptr<Node>()>& make_node,
-                     const SaveHook& save = {});
-
-/// Runs a source as a process in the same way, publishing its messages at their pace (--speed).
-int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
-                       const std::function<std::unique_ptr<Source>()>& make_source);
-
-/// Runs a device driver as a process in the same way, at the device's pace. `make_driver` may throw
-/// io::ConfigError, io::FileError and std::invalid_argument (an invalid option).
-int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
-                       const std::function<std::unique_ptr<Driver>()>& make_driver);
 
 }  // namespace orchard::bus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/existence/free_space.hpp"
+#include "mapping/free_space.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/board/stationary_views.hpp"
+#include "calibration/extrinsics/stationary_views.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -33,6 +33,8 @@ packages=(
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   # a database of many maps
   libpq-dev
+  # digests of a farm's files
+  libssl-dev
   # command line, log, tests, benchmarks
   libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's server

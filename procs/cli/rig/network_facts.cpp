@@ -3,7 +3,6 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
-#include <linux/rtnetlink.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -11,7 +10,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -85,40 +83,26 @@ std::vector<NetworkInterface> network_interfaces() {
   return interfaces;
 }
 
+/// Connecting a datagram socket sends nothing: the kernel looks up the route and chooses the address
+/// to send from, which names the interface.
 std::optional<std::string> route_to(const std::string& address) {
-  struct Request {
-    nlmsghdr header;
-    rtmsg route;
-    rtattr attribute;
-    in_addr destination;
-  } request{};
-  request.header.nlmsg_len = sizeof(request);
-  request.header.nlmsg_type = RTM_GETROUTE;
-  request.header.nlmsg_flags = NLM_F_REQUEST;
-  request.route.rtm_family = AF_INET;
-  request.route.rtm_dst_len = 32;
-  request.attribute.rta_type = RTA_DST;
-  request.attribute.rta_len = RTA_LENGTH(sizeof(request.destination));
-  if (inet_pton(AF_INET, address.c_str(), &request.destination) != 1) return std::nullopt;
-  const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+  sockaddr_in to{}, from{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(9);  // any
+  if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return std::nullopt;
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return std::nullopt;
-  alignas(nlmsghdr) char reply[4096];
-  const bool asked = send(fd, &request, sizeof(request), 0) == sizeof(request);
-  const ssize_t size = asked ? recv(fd, reply, sizeof(reply), 0) : -1;
+  socklen_t size = sizeof(from);
+  const bool has_route = connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0 &&
+                         getsockname(fd, reinterpret_cast<sockaddr*>(&from), &size) == 0;
   close(fd);
-  const auto* header = reinterpret_cast<const nlmsghdr*>(reply);
-  if (size < static_cast<ssize_t>(sizeof(nlmsghdr)) || header->nlmsg_type != RTM_NEWROUTE ||
-      header->nlmsg_len > static_cast<std::size_t>(size)) {
-    return std::nullopt;  // an error: no route
-  }
-  auto* route = static_cast<rtmsg*>(NLMSG_DATA(header));
-  auto left = static_cast<int>(RTM_PAYLOAD(header));
-  for (rtattr* entry = RTM_RTA(route); RTA_OK(entry, left); entry = RTA_NEXT(entry, left)) {
-    if (entry->rta_type != RTA_OIF) continue;
-    unsigned index = 0;
-    std::memcpy(&index, RTA_DATA(entry), sizeof(index));
-    char name[IF_NAMESIZE] = {};
-    if (if_indextoname(index, name) != nullptr) return std::string(name);
+  ifaddrs* list = nullptr;
+  if (!has_route || getifaddrs(&list) != 0) return std::nullopt;
+  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, freeifaddrs);
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    const auto* of_entry = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
+    if (of_entry->sin_addr.s_addr == from.sin_addr.s_addr) return std::string(entry->ifa_name);
   }
   return std::nullopt;
 }

@@ -35,20 +35,16 @@ struct DocumentFigure {
 
 using DocumentPart = std::variant<DocumentHeading, DocumentText, DocumentTable, DocumentFigure>;
 
-/// A printable document, independent of the output format.
+/// A printable document.
 struct Document {
   std::string language = "en";  ///< language code of HTML
   std::string title;
   std::string subtitle;
-  std::string day{};      ///< creation date of the PDF, "2026-11-22"
-  std::string page_word;  ///< before page numbers
   std::vector<DocumentPart> parts;
 };
 
-/// Returns a self-contained HTML page without script, suitable for printing. All texts are escaped.
+/// Returns a self-contained HTML page without script. Printed by a browser it fills A4 pages:
+/// tables continue on the next page under a repeated head. All texts are escaped.
 std::string document_html(const Document& document);
-
-/// Returns a PDF of A4 pages. Tables continue on the next page under a repeated head.
-std::string document_pdf(const Document& document);
 
 }  // namespace orchard::io

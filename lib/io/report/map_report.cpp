@@ -49,8 +49,6 @@ class Writer {
     document_.language = texts_.language;
     document_.title = say(texts_.title, {content_.name});
     document_.subtitle = say(texts_.subtitle, {day, content_.facts.version});
-    document_.day = content_.facts.day;
-    document_.page_word = texts_.page;
     write_counts();
     write_rows();
     write_diameters();

@@ -13,7 +13,6 @@ struct ReportTexts {
   const char* title;     ///< {}: the map
   const char* subtitle;  ///< {}: the day, {}: the program's version
   const char* unknown_day;
-  const char* page;
   // What was counted.
   const char* counts;
   const char* trees;         ///< {} trees in {} rows

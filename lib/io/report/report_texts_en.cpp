@@ -9,7 +9,6 @@ const ReportTexts kReportTextsEn = {
     "Orchard report: {}",
     "Driven on {}. Orchard Mapper {}.",
     "an unknown day",
-    "page",
     "Contents of the block",
     "{} trees in {} rows.",
     "{} more trees are outside the rows.",

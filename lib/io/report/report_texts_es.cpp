@@ -9,7 +9,6 @@ const ReportTexts kReportTextsEs = {
     "Informe del huerto: {}",
     "Recorrido el {}. Orchard Mapper {}.",
     "día desconocido",
-    "página",
     "Qué hay en la parcela",
     "{} árboles en {} filas.",
     "{} árboles más están fuera de las filas.",

@@ -103,7 +103,7 @@ nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& tabl
     rows.push_back(std::move(row));
   }
   return Json{{"folder", folder.string()},
-              {"files", {"report.html", "report.pdf", "report.csv"}},
+              {"files", {"report.html", "report.csv"}},
               {"rows", std::move(rows)}};
 }
 
@@ -129,7 +129,6 @@ int run_report(const ReportOptions& options) {
   const io::Document document = io::map_report(content, *texts);
   io::FileReplacement files;
   files.write((folder / "report.html").string(), io::document_html(document));
-  files.write((folder / "report.pdf").string(), io::document_pdf(document));
   const std::vector<std::vector<std::string>> table = io::report_table(content);
   files.write((folder / "report.csv").string(), io::report_csv(table));
   files.commit();
@@ -137,7 +136,7 @@ int run_report(const ReportOptions& options) {
     std::printf("%s\n", json_of(table, folder).dump(1).c_str());
     return bus::kExitOk;
   }
-  std::printf("written to %s: report.html, report.pdf (to print), report.csv (rows)\n",
+  std::printf("written to %s: report.html (to read and print), report.csv (rows)\n",
               folder.string().c_str());
   return bus::kExitOk;
 }

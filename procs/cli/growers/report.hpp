@@ -24,7 +24,7 @@ struct ReportOptions {
   bool json = false;       ///< prints the table of rows as JSON
 };
 
-/// Writes report.html, report.pdf and report.csv; returns the exit code. Throws io::FileError for
+/// Writes report.html and report.csv; returns the exit code. Throws io::FileError for
 /// maps that cannot be read or registered.
 int run_report(const ReportOptions& options);
 

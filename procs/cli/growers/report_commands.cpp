@@ -9,14 +9,15 @@ namespace orchard::cli {
 
 void add_report(CLI::App& app, Run& run) {
   add_command<ReportOptions>(
-      app, run, "report", "Write a report of a map for growers, as web page, PDF and table",
-      "  orchard report out/drive                          (out/drive/report/report.pdf ...)\n"
+      app, run, "report", "Write a report of a map for growers, as web page and table",
+      "  orchard report out/drive                          (out/drive/report/report.html ...)\n"
       "  orchard report out/autumn --previous out/spring   (with changes and growth)\n"
       "  orchard report out/drive --plan block.gpkg        (what differs from the plan)\n"
       "  orchard report out/drive --language es --out out/informe\n"
-      "Output: report.html, report.pdf and report.csv with trees, empty places and trunk "
-      "cross-sectional\n"
-      "area per row, diameters, a map of the block, parts that were not observed, and "
+      "Output: report.html (a browser prints it on A4, or saves it as PDF) and report.csv, with "
+      "trees,\n"
+      "empty places and trunk cross-sectional area per row, diameters, a map of the block, parts "
+      "that were not observed, and "
       "uncertainties. The\n"
       "figures are those of map.csv after corrections by hand (`orchard edit`).\n",
       run_report, [](CLI::App& command, ReportOptions& o) {

@@ -83,8 +83,8 @@ std::vector<NetworkInterface> network_interfaces() {
   return interfaces;
 }
 
-/// Connecting a datagram socket sends nothing: the kernel looks up the route and chooses the address
-/// to send from, which names the interface.
+/// Connecting a datagram socket sends nothing: the kernel looks up the route and chooses the
+/// address to send from, which names the interface.
 std::optional<std::string> route_to(const std::string& address) {
   sockaddr_in to{}, from{};
   to.sin_family = AF_INET;

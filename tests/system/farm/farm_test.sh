@@ -50,7 +50,7 @@ grep -q '^7 steps made$' "$work/said" || fail "one more log: $(head -n 1 "$work/
 "$orchard" farm publish "$farm"
 [ "$(find "$farm/maps/" -mindepth 2 -name '2026-0*-01' | wc -l)" = 4 ] || fail "not every date is published"
 [ -s "$farm/maps/block_2/2026-02-01/map.csv" ] || fail "a published map cannot be read"
-[ -s "$farm/reports/block_2/2026-01-01/report.pdf" ] || fail "a published report cannot be read"
+[ -s "$farm/reports/block_2/2026-01-01/report.html" ] || fail "a published report cannot be read"
 grep -q 'block_2 2026-01-01' "$farm/reports/block_2/2026-01-01/report.html" || fail "a report does not say of what it is"
 [ -s "$farm/changes/block_1/2026-02-01/compare.csv" ] || fail "a published comparison cannot be read"
 echo "PASSED"

@@ -71,11 +71,14 @@ def page_text(path):
     return html.unescape(re.sub(r"<[^>]*>", " ", re.sub(r"(?s)<(svg|style).*?</\1>", "", page)))
 
 
-def check_pdf(path, truth):
-    """What stands on paper, read by poppler: the counts, and each row's trees, empty places and area."""
-    if not shutil.which("pdftotext"):
-        print("no pdftotext (poppler-utils): the PDF's words are not read")
+def check_print(page, path, truth):
+    """What a browser prints, read by poppler: the counts, and each row's trees, empty places and area."""
+    if not shutil.which("pdftotext") or not shutil.which("chromium"):
+        print("no pdftotext (poppler-utils) or chromium: the printed page is not read")
         return
+    subprocess.run(["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                    "--user-data-dir=" + path + ".profile", "--no-pdf-header-footer", "--print-to-pdf=" + path,
+                    "file://" + page], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     text = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout
     rows = [row for row in truth if row not in ("all", "0")]
     in_rows = truth["all"][0] - (truth["0"][0] if "0" in truth else 0)
@@ -104,14 +107,11 @@ def main(bin_folder, rig, folder):
                      f"{truth['all'][2]:.0f} cm²"):
         assert sentence in text, (sentence, text)
     assert " roc" not in text and "probability" not in text
-    pdf = bytes_of(os.path.join(out, "report.pdf"))
-    assert pdf.startswith(b"%PDF-") and pdf.count(b"/Type /Page ") >= 2 and b"20131202000000Z" in pdf
-
-    check_pdf(os.path.join(out, "report.pdf"), truth)
+    check_print(os.path.join(out, "report.html"), os.path.join(folder, "printed.pdf"), truth)
 
     # For machines: the table again.
     told = json.loads(orchard(bin_folder, "report", here, "--json").stdout)
-    assert told["files"] == ["report.html", "report.pdf", "report.csv"] and os.path.samefile(told["folder"], out), told
+    assert told["files"] == ["report.html", "report.csv"] and os.path.samefile(told["folder"], out), told
     assert len(told["rows"]) == len(table), told
     for row in told["rows"]:
         assert set(row) == set(table[str(row["row"])]), row
@@ -124,7 +124,7 @@ def main(bin_folder, rig, folder):
     # The same map, the same bytes; other words, the same numbers.
     again, spanish = os.path.join(folder, "again"), os.path.join(folder, "informe")
     orchard(bin_folder, "report", here, "--out", again)
-    for name in ("report.html", "report.pdf", "report.csv"):
+    for name in ("report.html", "report.csv"):
         assert bytes_of(os.path.join(out, name)) == bytes_of(os.path.join(again, name)), name
     orchard(bin_folder, "report", os.path.join(here, "map.csv"), "--out", spanish, "--language", "es")
     assert bytes_of(os.path.join(out, "report.csv")) == bytes_of(os.path.join(spanish, "report.csv"))

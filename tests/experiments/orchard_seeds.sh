@@ -42,7 +42,7 @@ for light in ${LIGHTS:-$orchard_lights}; do
   wait
   report=$out/$light.txt
   "$orchard" evaluate detections "${recordings[@]}" --observations "${looks[@]}" \
-    --truth "${truths[@]}" --html "$out/$light.html" >"$report"
+    --truth "${truths[@]}" >"$report"
   f1=$(figure "$report" "per observation" 5)
   [ -n "$neutral_f1" ] || neutral_f1=$f1
   printf '%-8s look: precision %s recall %s F1 %s (lost %+.4f)  landmark: F1 %s  ECE: look %s landmark %s\n' \

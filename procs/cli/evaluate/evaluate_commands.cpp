@@ -109,8 +109,7 @@ void add_detections(CLI::App& evaluate, Run& run) {
       "    --observations observations.csv --config config/orchard.yaml\n"
       "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
       "  orchard evaluate detections out/drive --observations observations.csv --truth truth.csv "
-      "\\\n"
-      "    --html out/detections.html\n"
+      "\n"
       "  orchard evaluate detections noon evening --observations noon.csv evening.csv   (by "
       "light)\n";
   add_command<EvaluateDetectionsOptions>(
@@ -133,8 +132,6 @@ void add_detections(CLI::App& evaluate, Run& run) {
             .add_option("--truth", o.truth_paths,
                         "true objects, one file per recording: also evaluate the landmarks")
             ->type_name("CSV...");
-        command.add_option("--html", o.html_path, "also write tables and plots as a web page")
-            ->type_name("PAGE");
         command.add_flag("--json", o.json, "print JSON, with lengths in metres");
         command
             .add_option("--range", o.rules.range_max_m,
@@ -166,11 +163,12 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
       evaluate, run, "trajectory", "Compare an estimated trajectory with the true one: ATE and RPE",
       "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
       "  orchard evaluate trajectory out/drive/trajectory.csv --truth track.csv --align \\\n"
-      "      --delta 10 --unit m --figure errors.png\n"
+      "      --delta 10 --unit m\n"
       "  orchard evaluate trajectory out/drive --truth track.csv --nearest --max-difference 0.02 "
       "--json\n"
-      "The figures equal those of evo_ape and evo_rpe (evo 1.x) in the plane. The truth may have "
-      "gaps and\n"
+      "The figures equal those of evo_ape and evo_rpe (evo 1.x) in the plane; evo draws both "
+      "paths\n"
+      "from trajectory.tum. The truth may have gaps and\n"
       "may lack headings; it is interpolated to the time of each pose, but not across a gap.\n",
       run_evaluate_trajectory, [](CLI::App& command, EvaluateTrajectoryOptions& o) {
         command.add_option("trajectory", o.trajectory_path, "map folder, or its trajectory.csv")
@@ -213,10 +211,6 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
         command.add_flag("--all-pairs", o.rules.all_pairs,
                          "RPE over all pairs of poses (overlapping) instead of consecutive ones");
         command.add_flag("--json", o.json, "print JSON, in metres and radians");
-        command
-            .add_option("--figure", o.figure_path,
-                        "also draw both paths and the error over the distance")
-            ->type_name("SVG|PNG|PDF");
       });
 }
 

@@ -8,8 +8,6 @@
 #include "bus/process/process.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "evaluation/detections/detection_report.hpp"
-#include "io/atomic_file.hpp"
-#include "io/figure/report_page.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/observation_csv.hpp"
@@ -106,15 +104,6 @@ int run_evaluate_detections(const EvaluateDetectionsOptions& given) {
     std::fputs(detection_json(result).c_str(), stdout);
   } else {
     std::fputs(detection_tables(result).c_str(), stdout);
-  }
-  if (!options.html_path.empty()) {
-    io::write_file_atomically(
-        options.html_path,
-        io::report_page("Detections of " + material.names.front() +
-                            (material.names.size() > 1
-                                 ? " and " + std::to_string(material.names.size() - 1) + " more"
-                                 : ""),
-                        detection_plots(result), detection_tables(result)));
   }
   return bus::kExitOk;
 }

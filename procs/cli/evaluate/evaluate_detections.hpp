@@ -13,7 +13,6 @@ struct EvaluateDetectionsOptions {
   std::vector<std::string> paths;              ///< map folders or logs with detections
   std::vector<std::string> observation_paths;  ///< truth of each one's scans, in the same order
   std::vector<std::string> truth_paths;  ///< true objects, one file per path, for the landmarks
-  std::string html_path;                 ///< empty: no page
   bool json = false;
   evaluation::DetectionRules rules;
   bool without_picture = false;  ///< also count objects outside the picture

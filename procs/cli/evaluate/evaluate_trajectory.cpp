@@ -6,8 +6,6 @@
 
 #include "bus/process/process.hpp"
 #include "evaluation/trajectory/trajectory_report.hpp"
-#include "io/atomic_file.hpp"
-#include "io/figure/trajectory_figure.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/track_csv.hpp"
 
@@ -16,8 +14,6 @@ namespace orchard::cli {
 namespace fs = std::filesystem;
 
 int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
-  const bool draws = !options.figure_path.empty();
-  const auto format = draws ? io::figure_format(options.figure_path) : io::FigureFormat::kSvg;
   evaluation::TrajectoryRules rules = options.rules;
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
   if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
@@ -40,10 +36,6 @@ int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
                  "can be compared; check that both are of one drive and in microseconds\n",
                  path.c_str(), options.truth_path.c_str());
     return bus::kExitRuntime;
-  }
-  if (draws) {
-    io::write_file_atomically(options.figure_path,
-                              io::trajectory_figure(evaluation, truth, format));
   }
   return bus::kExitOk;
 }

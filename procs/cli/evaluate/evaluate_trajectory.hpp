@@ -17,7 +17,6 @@ struct EvaluateTrajectoryOptions {
   double gap_max_s = 0.0;  ///< 0 = three median intervals of the truth
   evaluation::TrajectoryRules rules;
   bool json = false;
-  std::string figure_path;  ///< .svg, .png or .pdf; empty = none
 };
 
 /// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when no poses

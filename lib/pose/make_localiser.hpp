@@ -2,13 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "pose/graph/chunk_allocator.hpp"
 #include "pose/localiser.hpp"
-#include "pose/measurement.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/prior_map/prior_map.hpp"
 
@@ -24,8 +22,5 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
                                           const laser::LaserConfig& laser = {},
                                           const laser::BlindSector& blind = {},
                                           std::shared_ptr<ChunkAllocator> memory = nullptr);
-
-/// Returns which kinds of measurement the localiser uses, and how long to wait for each.
-MeasurementWaits expected_measurements(const PoseConfig& config);
 
 }  // namespace orchard::pose

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "pose/make_localiser.hpp"
+#include "pose/expected_measurements.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {

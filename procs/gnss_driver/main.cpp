@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "bus/process/stream_process.hpp"
+#include "device/emulated/gpsd_device.hpp"
 #include "device/gnss/gpsd_protocol.hpp"
 #include "io/config/config.hpp"
-#include "simulation/device/gpsd_device.hpp"
 
 int main(int argc, char** argv) {
   using namespace orchard;
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     receiver.device = config.device;
     receiver.make_protocol = [config] { return std::make_unique<device::GpsdProtocol>(config); };
     receiver.make_emulated = [config] {
-      return std::make_unique<simulation::GpsdDevice>(config.latency_s);
+      return std::make_unique<device::GpsdDevice>(config.latency_s);
     };
     receiver.emulated_at = "tcp:127.0.0.1:0";
     receiver.channels = {bus::Channel::kGnss};

@@ -3,7 +3,7 @@
 
 #include "bus/node/process_report.hpp"
 #include "device/laser_protocol.hpp"
-#include "simulation/device/emulated_laser.hpp"
+#include "device/emulated/emulated_laser.hpp"
 
 namespace orchard::procs {
 
@@ -12,7 +12,7 @@ bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus
   laser.device = config.device;
   laser.make_protocol = [config] { return device::make_laser_protocol(config.protocol); };
   laser.make_emulated = [config] {
-    return simulation::make_emulated_laser(config.protocol, bus::wall_utime() - 60'000'000);
+    return device::make_emulated_laser(config.protocol, bus::wall_utime() - 60'000'000);
   };
   laser.emulated_at = "tcp:127.0.0.1:0";
   laser.channels = {channel};

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "device/lines/controller_protocol.hpp"
-#include "simulation/device/controller_device.hpp"
+#include "device/emulated/controller_device.hpp"
 
 namespace orchard::procs {
 
@@ -16,7 +16,7 @@ bus::StreamDevice make_controller_device(const device::DriversConfig& drivers,
     return std::make_unique<device::ControllerProtocol>(drivers.odometry, drivers.imu);
   };
   controller.make_emulated = [] {
-    return std::make_unique<simulation::ControllerDevice>(simulation::EmulatedClock{});
+    return std::make_unique<device::ControllerDevice>(device::EmulatedClock{});
   };
   controller.emulated_at = "pty:";
   controller.channels = {channel};

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "io/map/prior_map_file.hpp"
+#include "pose/expected_measurements.hpp"
 #include "pose/make_localiser.hpp"
 
 namespace orchard::procs {

@@ -25,9 +25,9 @@
 #include <vector>
 
 #include "bus/node/process_report.hpp"
+#include "device/emulated/scip_device.hpp"
 #include "device/scip/scip_protocol.hpp"
 #include "node/laser_driver/driven_laser.hpp"
-#include "simulation/device/scip_device.hpp"
 #include "unit/device/simulated_line.hpp"
 
 namespace orchard {
@@ -35,9 +35,9 @@ namespace {
 
 using Clock = bus::Driver::Clock;
 
-std::unique_ptr<simulation::EmulatedDevice> hokuyo(std::int64_t on_for_us, double skew = 0.0) {
-  return std::make_unique<simulation::ScipDevice>(
-      simulation::ust_10lx(), simulation::EmulatedClock{bus::wall_utime() - on_for_us, skew});
+std::unique_ptr<device::EmulatedDevice> hokuyo(std::int64_t on_for_us, double skew = 0.0) {
+  return std::make_unique<device::ScipDevice>(
+      device::ust_10lx(), device::EmulatedClock{bus::wall_utime() - on_for_us, skew});
 }
 
 int unplug(const std::string& line, int num, unsigned seed) {
@@ -183,7 +183,7 @@ int stamps(double seconds, int load, double skew) {
 int sums(int num, double percent, unsigned seed) {
   constexpr std::int64_t kNoon = 1'700'000'000'000'000;
   device::ScipProtocol protocol;
-  simulation::ScipDevice device(simulation::ust_10lx(), {kNoon - 60'000'000, 0.0});
+  device::ScipDevice device(device::ust_10lx(), {kNoon - 60'000'000, 0.0});
   device::SimulatedLine line(protocol, device, kNoon, seed);
   line.connect();
   line.run_until(kNoon + 200'000);
@@ -229,10 +229,10 @@ int sums(int num, double percent, unsigned seed) {
 int bearings() {
   constexpr std::int64_t kNoon = 1'700'000'000'000'000;
   double worst_rad = 0.0;
-  for (const simulation::ScipModel& m :
-       {simulation::urg_04lx_ug01(), simulation::utm_30lx(), simulation::ust_10lx()}) {
+  for (const device::ScipModel& m :
+       {device::urg_04lx_ug01(), device::utm_30lx(), device::ust_10lx()}) {
     device::ScipProtocol protocol;
-    simulation::ScipDevice device(m, {kNoon - 60'000'000, 0.0});
+    device::ScipDevice device(m, {kNoon - 60'000'000, 0.0});
     device::SimulatedLine line(protocol, device, kNoon, 1);
     line.connect();
     line.run_until(kNoon + 200'000);

@@ -35,8 +35,7 @@ constexpr std::chrono::milliseconds kObservation{10};
 
 }  // namespace
 
-DeviceServer::DeviceServer(std::unique_ptr<simulation::EmulatedDevice> device,
-                           const std::string& where)
+DeviceServer::DeviceServer(std::unique_ptr<device::EmulatedDevice> device, const std::string& where)
     : device_(std::move(device)), start_utime_(wall_utime()), start_(Clock::now()) {
   const std::size_t colon = where.rfind(':');
   if (where.rfind("tcp:", 0) == 0 && colon > 4) {
@@ -78,7 +77,7 @@ void DeviceServer::unplug() {
   if (!is_tcp_ && !link_.empty()) ::unlink(link_.c_str());
 }
 
-void DeviceServer::replace(std::unique_ptr<simulation::EmulatedDevice> device) {
+void DeviceServer::replace(std::unique_ptr<device::EmulatedDevice> device) {
   device_ = std::move(device);
   if (has_client()) device_->connected(now());
 }

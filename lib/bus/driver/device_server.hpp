@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bus/driver/driver.hpp"
+#include "device/emulated/emulated_device.hpp"
 #include "device/protocol.hpp"
-#include "simulation/device/emulated_device.hpp"
 
 namespace orchard::bus {
 
@@ -23,7 +23,7 @@ class DeviceServer {
   /// Opens the port. `where`: "tcp:127.0.0.1:10940" (port 0: any free one), or "pty:LINK" for a
   /// pseudo terminal with a symbolic link at that path ("pty:": without a link). Throws
   /// std::invalid_argument for anything else and std::system_error when it cannot be opened.
-  DeviceServer(std::unique_ptr<simulation::EmulatedDevice> device, const std::string& where);
+  DeviceServer(std::unique_ptr<device::EmulatedDevice> device, const std::string& where);
   ~DeviceServer();
   DeviceServer(const DeviceServer&) = delete;
   DeviceServer& operator=(const DeviceServer&) = delete;
@@ -49,7 +49,7 @@ class DeviceServer {
   void plug_in();
 
   /// Replaces the device behind the port, for example by the same one after a power cycle.
-  void replace(std::unique_ptr<simulation::EmulatedDevice> device);
+  void replace(std::unique_ptr<device::EmulatedDevice> device);
 
   bool has_client() const { return line_ >= 0 && !is_hung_up_; }
 
@@ -62,7 +62,7 @@ class DeviceServer {
   void write_line();
   void drop_client();
 
-  std::unique_ptr<simulation::EmulatedDevice> device_;
+  std::unique_ptr<device::EmulatedDevice> device_;
   bool is_tcp_ = false;
   std::string host_;
   int port_ = 0;

@@ -9,7 +9,7 @@
 #include "bus/messages/channel.hpp"
 #include "bus/process/process.hpp"
 #include "device/protocol.hpp"
-#include "simulation/device/emulated_device.hpp"
+#include "device/emulated/emulated_device.hpp"
 
 namespace orchard::bus {
 
@@ -20,7 +20,7 @@ struct StreamDevice {
   bool is_rear = false;  ///< its scans are published on SCAN.rear (second scanner)
 
   // Emulation for use without the device: --emulate.
-  std::function<std::unique_ptr<simulation::EmulatedDevice>()> make_emulated;
+  std::function<std::unique_ptr<device::EmulatedDevice>()> make_emulated;
   std::string emulated_at;        ///< "pty:" or "tcp:127.0.0.1:0"
   std::vector<Channel> channels;  ///< channels of the log that the emulated device plays
 };

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace orchard::cli {
@@ -83,28 +85,18 @@ std::vector<NetworkInterface> network_interfaces() {
   return interfaces;
 }
 
-/// Connecting a datagram socket sends nothing: the kernel looks up the route and chooses the
-/// address to send from, which names the interface.
 std::optional<std::string> route_to(const std::string& address) {
-  sockaddr_in to{}, from{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(9);  // any
-  if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return std::nullopt;
-  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return std::nullopt;
-  socklen_t size = sizeof(from);
-  const bool has_route = connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0 &&
-                         getsockname(fd, reinterpret_cast<sockaddr*>(&from), &size) == 0;
-  close(fd);
-  ifaddrs* list = nullptr;
-  if (!has_route || getifaddrs(&list) != 0) return std::nullopt;
-  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, freeifaddrs);
-  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
-    const auto* of_entry = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
-    if (of_entry->sin_addr.s_addr == from.sin_addr.s_addr) return std::string(entry->ifa_name);
-  }
-  return std::nullopt;
+  in_addr parsed{};
+  if (inet_pton(AF_INET, address.c_str(), &parsed) != 1) return std::nullopt;
+  const std::string command = "ip -j route get " + address + " 2>/dev/null";
+  const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "re"), pclose);
+  std::string text;
+  for (int c = 0; output && (c = std::fgetc(output.get())) != EOF;) text += static_cast<char>(c);
+  const auto routes = nlohmann::json::parse(text, nullptr, false);
+  if (!routes.is_array() || routes.empty() || !routes[0].is_object()) return std::nullopt;
+  const auto device = routes[0].find("dev");
+  if (device == routes[0].end() || !device->is_string()) return std::nullopt;
+  return device->get<std::string>();
 }
 
 std::optional<std::int64_t> kernel_setting(const std::string& name) {

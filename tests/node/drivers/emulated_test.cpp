@@ -15,11 +15,11 @@
 #include "bus/driver/port.hpp"
 #include "bus/driver/stream_driver.hpp"
 #include "bus/messages/codec.hpp"
+#include "device/emulated/controller_device.hpp"
+#include "device/emulated/gpsd_device.hpp"
 #include "device/gnss/gpsd_protocol.hpp"
 #include "device/lines/controller_protocol.hpp"
 #include "io/log/log_writer.hpp"
-#include "simulation/device/controller_device.hpp"
-#include "simulation/device/gpsd_device.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -88,8 +88,7 @@ TEST_F(EmulatedDevices, OdometryLinesOverAPseudoTerminal) {
     sent.push_back(odometry);
   }
   write_log(sent);
-  DeviceServer server(std::make_unique<simulation::ControllerDevice>(simulation::EmulatedClock{}),
-                      "pty:");
+  DeviceServer server(std::make_unique<device::ControllerDevice>(device::EmulatedClock{}), "pty:");
   StreamDriver driver(std::make_unique<device::ControllerProtocol>(device::OdometryDriverConfig{},
                                                                    device::ImuDriverConfig{}),
                       parse_port(server.address()));
@@ -127,7 +126,7 @@ TEST_F(EmulatedDevices, FixesOverTcp) {
   first.utime = kEpoch_us;
   sent.insert(sent.begin(), first);
   write_log(sent);
-  DeviceServer server(std::make_unique<simulation::GpsdDevice>(0.05), "tcp:127.0.0.1:0");
+  DeviceServer server(std::make_unique<device::GpsdDevice>(0.05), "tcp:127.0.0.1:0");
   device::GnssDriverConfig config;
   config.latency_s = 0.05;
   StreamDriver driver(std::make_unique<device::GpsdProtocol>(config), parse_port(server.address()));
@@ -158,8 +157,7 @@ TEST_F(EmulatedDevices, AnInertialUnitOverAPseudoTerminal) {
     sent.push_back(imu);
   }
   write_log(sent);
-  DeviceServer server(std::make_unique<simulation::ControllerDevice>(simulation::EmulatedClock{}),
-                      "pty:");
+  DeviceServer server(std::make_unique<device::ControllerDevice>(device::EmulatedClock{}), "pty:");
   StreamDriver driver(std::make_unique<device::ControllerProtocol>(device::OdometryDriverConfig{},
                                                                    device::ImuDriverConfig{}),
                       parse_port(server.address()));

@@ -16,8 +16,8 @@
 
 #include "bus/driver/device_server.hpp"
 #include "bus/driver/stream_driver.hpp"
+#include "device/emulated/emulated_device.hpp"
 #include "device/protocol.hpp"
-#include "simulation/device/emulated_device.hpp"
 
 namespace orchard {
 
@@ -29,7 +29,7 @@ class DrivenLaser {
   static constexpr std::int64_t kPeriod_us = 25'000;
 
   DrivenLaser(std::unique_ptr<device::Protocol> protocol,
-              std::unique_ptr<simulation::EmulatedDevice> device, const std::string& where,
+              std::unique_ptr<device::EmulatedDevice> device, const std::string& where,
               laser::Scan geometry, const std::string& raw_path = {})
       : server_(std::move(device), where),
         driver_(std::move(protocol), bus::parse_port(server_.address()), raw_path),

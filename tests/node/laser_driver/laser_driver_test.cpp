@@ -4,26 +4,26 @@
 #include "bus/driver/raw_source.hpp"
 #include "bus/node/process_report.hpp"
 #include "device/cola/cola_protocol.hpp"
+#include "device/emulated/cola_device.hpp"
+#include "device/emulated/scip_device.hpp"
 #include "device/scip/scip_protocol.hpp"
 #include "node/laser_driver/driven_laser.hpp"
-#include "simulation/device/cola_device.hpp"
-#include "simulation/device/scip_device.hpp"
 
 namespace orchard {
 namespace {
 
-std::unique_ptr<simulation::EmulatedDevice> hokuyo(std::int64_t on_for_us = 60'000'000) {
-  simulation::EmulatedClock clock;
+std::unique_ptr<device::EmulatedDevice> hokuyo(std::int64_t on_for_us = 60'000'000) {
+  device::EmulatedClock clock;
   clock.start_utime = bus::wall_utime() - on_for_us;
-  return std::make_unique<simulation::ScipDevice>(simulation::ust_10lx(), clock);
+  return std::make_unique<device::ScipDevice>(device::ust_10lx(), clock);
 }
 
-std::unique_ptr<simulation::EmulatedDevice> sick() {
-  simulation::ColaDeviceModel model;
+std::unique_ptr<device::EmulatedDevice> sick() {
+  device::ColaDeviceModel model;
   model.rate_hz = 40.0;
-  simulation::EmulatedClock clock;
+  device::EmulatedClock clock;
   clock.start_utime = bus::wall_utime() - 60'000'000;
-  return std::make_unique<simulation::ColaDevice>(model, clock);
+  return std::make_unique<device::ColaDevice>(model, clock);
 }
 
 std::string link_in_temp(const std::string& name) { return testing::TempDir() + "/" + name; }

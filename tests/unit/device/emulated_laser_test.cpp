@@ -11,11 +11,11 @@
 #include <string>
 
 #include "device/cola/cola_protocol.hpp"
+#include "device/emulated/cola_device.hpp"
+#include "device/emulated/emulated_laser.hpp"
+#include "device/emulated/scip_device.hpp"
 #include "device/laser_protocol.hpp"
 #include "device/scip/scip_protocol.hpp"
-#include "simulation/device/cola_device.hpp"
-#include "simulation/device/emulated_laser.hpp"
-#include "simulation/device/scip_device.hpp"
 #include "unit/device/simulated_line.hpp"
 
 namespace orchard::device {
@@ -57,7 +57,7 @@ struct Outcome {
 };
 
 /// Drives sweeps through the line and holds what comes out against them.
-Outcome run(Protocol& protocol, simulation::EmulatedDevice& device, SimulatedLine& line,
+Outcome run(Protocol& protocol, device::EmulatedDevice& device, SimulatedLine& line,
             const laser::Scan& geometry, double period_us, int num_sweeps) {
   Outcome outcome;
   std::deque<laser::Scan> measured;
@@ -111,7 +111,7 @@ double sd(const std::vector<double>& errors_us) {
 
 struct Model {
   const char* name;
-  simulation::ScipModel model;
+  device::ScipModel model;
   laser::Scan geometry;
   double period_us;
 };
@@ -120,10 +120,9 @@ struct Model {
 /// degrees in quarters of one, 40 Hz.
 std::vector<Model> hokuyos() {
   std::vector<Model> models = {
-      {"URG-04LX-UG01", simulation::urg_04lx_ug01(), hokuyo_geometry(1024, 44, 725, 384, 100e3),
-       100e3},
-      {"UTM-30LX", simulation::utm_30lx(), hokuyo_geometry(1440, 0, 1080, 540, 25e3), 25e3},
-      {"UST-10LX", simulation::ust_10lx(), hokuyo_geometry(1440, 0, 1080, 540, 25e3), 25e3}};
+      {"URG-04LX-UG01", device::urg_04lx_ug01(), hokuyo_geometry(1024, 44, 725, 384, 100e3), 100e3},
+      {"UTM-30LX", device::utm_30lx(), hokuyo_geometry(1440, 0, 1080, 540, 25e3), 25e3},
+      {"UST-10LX", device::ust_10lx(), hokuyo_geometry(1440, 0, 1080, 540, 25e3), 25e3}};
   models.back().geometry.intensities.resize(1081);
   return models;
 }
@@ -131,7 +130,7 @@ std::vector<Model> hokuyos() {
 TEST(EmulatedHokuyo, EverySweepComesWithItsRangesBearingsAndTime) {
   for (const Model& m : hokuyos()) {
     ScipProtocol scip;
-    simulation::ScipDevice device(m.model, {kNoon - 77'000'000, 50e-6});
+    device::ScipDevice device(m.model, {kNoon - 77'000'000, 50e-6});
     SimulatedLine line(scip, device, kNoon, 1);
     line.connect();
     line.run_until(kNoon + 500'000);
@@ -149,7 +148,7 @@ TEST(EmulatedHokuyo, StampsStayRightThroughTheWrapOfTheClockUnderLoad) {
   const Model m = hokuyos()[2];
   ScipProtocol scip;
   const auto wrap_us = std::int64_t{1} << 24;
-  simulation::ScipDevice device(m.model, {kNoon - wrap_us * 1000 + 300'000'000, -120e-6});
+  device::ScipDevice device(m.model, {kNoon - wrap_us * 1000 + 300'000'000, -120e-6});
   SimulatedLine line(scip, device, kNoon, 2);
   line.jitter_us = 3000.0;
   line.held_up_probability = 0.02;
@@ -167,7 +166,7 @@ TEST(EmulatedHokuyo, StampsStayRightThroughTheWrapOfTheClockUnderLoad) {
 TEST(EmulatedHokuyo, OfBrokenSweepsNoBeamIsPublished) {
   const Model m = hokuyos()[0];
   ScipProtocol scip;
-  simulation::ScipDevice device(m.model, {kNoon - 77'000'000, 0.0});
+  device::ScipDevice device(m.model, {kNoon - 77'000'000, 0.0});
   SimulatedLine line(scip, device, kNoon, 3);
   line.connect();
   line.run_until(kNoon + 500'000);
@@ -191,7 +190,7 @@ TEST(EmulatedHokuyo, AScannerThatWasSwitchedOffIsFollowed) {
   ScipProtocol scip;
   for (int i = 0; i < 3; ++i) {
     const std::int64_t now = kNoon + i * 60'000'000;
-    simulation::ScipDevice device(m.model, {now - 3'000'000, 0.0});
+    device::ScipDevice device(m.model, {now - 3'000'000, 0.0});
     SimulatedLine line(scip, device, now, 4);
     line.connect();
     line.run_until(now + 500'000);
@@ -208,7 +207,7 @@ TEST(EmulatedHokuyo, LikeAScanHasTheScansBeams) {
   scan.range_min_m = 0.1;
   scan.range_max_m = 30.0;
   ScipProtocol scip;
-  simulation::ScipDevice device(simulation::scip_model_like(scan, 10.0), {kNoon - 1'000'000, 0.0});
+  device::ScipDevice device(device::scip_model_like(scan, 10.0), {kNoon - 1'000'000, 0.0});
   SimulatedLine line(scip, device, kNoon, 1);
   line.connect();
   line.run_until(kNoon + 500'000);
@@ -228,10 +227,10 @@ laser::Scan sick_geometry(int num_beams, double step_deg, double rate_hz) {
   return scan;
 }
 
-void expect_every_sweep(const simulation::ColaDeviceModel& model, const laser::Scan& geometry) {
+void expect_every_sweep(const device::ColaDeviceModel& model, const laser::Scan& geometry) {
   ColaProtocol cola;
   // 32 bits of microseconds wrap after 10 s.
-  simulation::ColaDevice device(model, {kNoon - (std::int64_t{1} << 32) + 10'000'000, 30e-6});
+  device::ColaDevice device(model, {kNoon - (std::int64_t{1} << 32) + 10'000'000, 30e-6});
   SimulatedLine line(cola, device, kNoon, 1);
   line.jitter_us = 500.0;
   device.measured(sweep_of(geometry, kNoon - 100'000, 0));  // tells it its angles
@@ -251,7 +250,7 @@ TEST(EmulatedLaser, IsLikeItsScansInEitherProtocol) {
     scan.range_min_m = 0.05;
     scan.range_max_m = 20.0;
     if (kind == LaserProtocol::kColaA) scan.beam_period_us = 0.0;
-    const auto device = simulation::make_emulated_laser(kind, kNoon - 1'000'000);
+    const auto device = device::make_emulated_laser(kind, kNoon - 1'000'000);
     const auto protocol = make_laser_protocol(kind);
     SimulatedLine line(*protocol, *device, kNoon, 1);
     line.connect();  // before it has measured: it answers when it is asked again
@@ -274,7 +273,7 @@ TEST(EmulatedLaser, IsLikeItsScansInEitherProtocol) {
 }
 
 TEST(EmulatedSick, EverySweepComesWithItsRangesBearingsAndTime) {
-  simulation::ColaDeviceModel model;
+  device::ColaDeviceModel model;
   model.name = "TiM561-2050101";
   model.rate_hz = 15.0;
   expect_every_sweep(model, sick_geometry(811, 1.0 / 3.0, 15.0));

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "device/emulated/emulated_device.hpp"
 #include "device/protocol.hpp"
-#include "simulation/device/emulated_device.hpp"
 
 namespace orchard::device {
 
@@ -17,7 +17,7 @@ namespace orchard::device {
 /// by at least `way_us`, by an exponential time more, and sometimes a host is held up.
 class SimulatedLine {
  public:
-  SimulatedLine(Protocol& protocol, simulation::EmulatedDevice& device, std::int64_t utime,
+  SimulatedLine(Protocol& protocol, device::EmulatedDevice& device, std::int64_t utime,
                 unsigned seed)
       : protocol_(protocol), device_(device), utime_(utime), random_(seed) {}
 
@@ -84,7 +84,7 @@ class SimulatedLine {
   }
 
   Protocol& protocol_;
-  simulation::EmulatedDevice& device_;
+  device::EmulatedDevice& device_;
   std::int64_t utime_;
   std::mt19937 random_;
   std::multimap<std::int64_t, std::pair<bool, std::string>> on_line_;

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "device/emulated/emulated_device.hpp"
 #include "laser/scan.hpp"
-#include "simulation/device/emulated_device.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 
 /// Model and capabilities of an emulated SICK scanner.
 struct ColaDeviceModel {
@@ -56,4 +56,4 @@ class ColaDevice : public EmulatedDevice {
   std::int64_t num_sent_ = 0;
 };
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

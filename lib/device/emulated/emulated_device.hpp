@@ -9,7 +9,7 @@
 
 #include "device/protocol.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 
 /// An emulated device: the counterpart of device::Protocol. Pure: every call gets the true time
 /// [us], which never goes back.
@@ -57,4 +57,4 @@ struct EmulatedClock {
   }
 };
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/device/controller_device.hpp"
+#include "device/emulated/controller_device.hpp"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-namespace orchard::simulation {
+namespace orchard::device {
 namespace {
 
 constexpr std::size_t kMaxUnsent_bytes = 4096;  // a small controller's buffer
@@ -55,4 +55,4 @@ void ControllerDevice::measured(const device::Measurement& measurement) {
   if (to_send_.size() < kMaxUnsent_bytes) to_send_ += line + end.data();
 }
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

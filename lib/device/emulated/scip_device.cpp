@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/device/scip_device.hpp"
+#include "device/emulated/scip_device.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "geometry/angles.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 namespace {
 
 constexpr double kTick_us = 1000.0;
@@ -225,4 +225,4 @@ void ScipDevice::send(const Sweep& sweep) {
   ++num_sent_;
 }
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

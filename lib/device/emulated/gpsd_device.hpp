@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "simulation/device/emulated_device.hpp"
+#include "device/emulated/emulated_device.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 
 /// An emulated gpsd with one receiver: sends fixes as GST and TPV reports (gpsd_json(5)),
 /// `latency_s` after their time, to a client that has sent ?WATCH. Satellite time is true time.
@@ -30,4 +30,4 @@ class GpsdDevice : public EmulatedDevice {
   std::deque<pose::Gnss> on_their_way_;
 };
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/device/emulated_laser.hpp"
+#include "device/emulated/emulated_laser.hpp"
 
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "device/emulated/cola_device.hpp"
+#include "device/emulated/scip_device.hpp"
 #include "geometry/angles.hpp"
-#include "simulation/device/cola_device.hpp"
-#include "simulation/device/scip_device.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 namespace {
 
 /// Clock skew: the difference between two good crystals.
@@ -72,4 +72,4 @@ std::unique_ptr<EmulatedDevice> make_emulated_laser(device::LaserProtocol protoc
   return std::make_unique<LikeItsScans>(protocol, EmulatedClock{start_utime, kSkew});
 }
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

@@ -5,13 +5,13 @@
 #include <memory>
 
 #include "device/drivers_config.hpp"
-#include "simulation/device/emulated_device.hpp"
+#include "device/emulated/emulated_device.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 
 /// Makes an emulated scanner with `protocol`, powered up at `start_utime`. It takes its angles,
 /// ranges and rate from the first scans that it is given.
 std::unique_ptr<EmulatedDevice> make_emulated_laser(device::LaserProtocol protocol,
                                                     std::int64_t start_utime);
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

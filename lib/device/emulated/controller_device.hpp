@@ -5,9 +5,9 @@
 #include <optional>
 #include <string_view>
 
-#include "simulation/device/emulated_device.hpp"
+#include "device/emulated/emulated_device.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 
 /// An emulated controller of a robot: sends odometry as V lines and IMU samples as I lines, with
 /// its own clock (32 bits of microseconds) and checksums (lib/device/lines).
@@ -27,4 +27,4 @@ class ControllerDevice : public EmulatedDevice {
   EmulatedClock clock_;
 };
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/device/gpsd_device.hpp"
+#include "device/emulated/gpsd_device.hpp"
 
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "geometry/angles.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 namespace {
 
 constexpr std::size_t kLongestRequest_bytes = 1024;
@@ -110,4 +110,4 @@ void GpsdDevice::advance(std::int64_t utime) {
   }
 }
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/device/cola_device.hpp"
+#include "device/emulated/cola_device.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "geometry/angles.hpp"
 
-namespace orchard::simulation {
+namespace orchard::device {
 namespace {
 
 constexpr double kUnits_per_rad = 10'000.0 * 180.0 / geometry::kPi;
@@ -130,4 +130,4 @@ void ColaDevice::send(const Sweep& sweep) {
   ++num_sent_;
 }
 
-}  // namespace orchard::simulation
+}  // namespace orchard::device

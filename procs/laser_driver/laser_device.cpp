@@ -2,8 +2,8 @@
 #include "laser_driver/laser_device.hpp"
 
 #include "bus/node/process_report.hpp"
-#include "device/laser_protocol.hpp"
 #include "device/emulated/emulated_laser.hpp"
+#include "device/laser_protocol.hpp"
 
 namespace orchard::procs {
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "device/lines/controller_protocol.hpp"
 #include "device/emulated/controller_device.hpp"
+#include "device/lines/controller_protocol.hpp"
 
 namespace orchard::procs {
 

@@ -8,8 +8,8 @@
 
 #include "bus/messages/channel.hpp"
 #include "bus/process/process.hpp"
-#include "device/protocol.hpp"
 #include "device/emulated/emulated_device.hpp"
+#include "device/protocol.hpp"
 
 namespace orchard::bus {
 

@@ -43,8 +43,8 @@ struct MapFolderContent {
   std::vector<mapping::Landmark> landmarks;    ///< in order of id
   std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
   MapSummary summary;
-  std::vector<mapping::Row> rows;              ///< in order of number
-  mapping::NavigationGraph graph{};            ///< aisles and headland paths
+  std::vector<mapping::Row> rows;    ///< in order of number
+  mapping::NavigationGraph graph{};  ///< aisles and headland paths
   /// For a map of several drives: the paths of the second and later ones.
   std::vector<std::vector<pose::PoseEstimate>> more_trajectories{};
   std::optional<geometry::Georeference> georeference{};
@@ -52,7 +52,7 @@ struct MapFolderContent {
   std::string ids_csv{};                      ///< ids.csv of a merged map; empty: none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
   std::vector<DegradedInterval> degraded{};   ///< in order of time
-  std::int32_t next_id = 0;  ///< above every id of this and earlier maps
+  std::int32_t next_id = 0;                   ///< above every id of this and earlier maps
   std::vector<mapping::PlacedPhotograph> photographs{};  ///< assigned to landmarks when writing
   std::size_t album_bytes_max = 0;
 };

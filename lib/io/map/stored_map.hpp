@@ -22,7 +22,7 @@ struct StoredMap {
   mapping::SensorView view;  ///< default values if the folder has none
   std::optional<geometry::Georeference> georeference;
   mapping::NavigationGraph graph;  ///< of graph.json; empty if there is none
-  std::int32_t next_id = 1;  ///< above every id of this and earlier maps
+  std::int32_t next_id = 1;        ///< above every id of this and earlier maps
 };
 
 /// Reads a map folder, or only its map.csv (then path, view and graph are unknown).

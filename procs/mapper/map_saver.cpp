@@ -32,7 +32,7 @@ void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   if (live && quick && !saved_table_.empty()) {
     if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return;
     num_passed_over_ = 0;
-    save_table(mapper.finished().landmarks);
+    save_table(mapper.finished_landmarks());
   } else {
     save_folder(mapper, request.traffic);
   }

@@ -72,6 +72,9 @@ class MapperNode : public bus::Node {
   /// until the next input.
   const mapping::FinishedMap& finished() const;
 
+  /// Its landmarks alone, in a fraction of the time.
+  std::vector<mapping::Landmark> finished_landmarks() const;
+
   /// The ways of the map with other numbers, on ground that the scans saw free.
   mapping::NavigationGraph ways_of(const std::vector<mapping::Landmark>& landmarks,
                                    const std::vector<mapping::Row>& rows) const {
@@ -111,6 +114,7 @@ class MapperNode : public bus::Node {
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
+  mapping::FinishConfig finish_config() const;
   bool deskews(const detection::Detections& detections) const;
   std::optional<std::size_t> blocker() const;
   void release(const bus::Outbox& send);

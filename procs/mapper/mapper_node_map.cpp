@@ -7,16 +7,23 @@ namespace orchard::procs {
 
 using mapping::Omission;
 
+mapping::FinishConfig MapperNode::finish_config() const {
+  mapping::FinishConfig config;
+  config.min_observations = config_.min_observations;
+  config.rows = config_.rows;
+  config.has_camera = has_camera_;
+  config.object_width_max_m = object_width_max_m_;
+  return config;
+}
+
 const mapping::FinishedMap& MapperNode::finished() const {
-  if (!finished_) {
-    mapping::FinishConfig config;
-    config.min_observations = config_.min_observations;
-    config.rows = config_.rows;
-    config.has_camera = has_camera_;
-    config.object_width_max_m = object_width_max_m_;
-    finished_ = mapping::finish(mapper_, config);
-  }
+  if (!finished_) finished_ = mapping::finish(mapper_, finish_config());
   return *finished_;
+}
+
+std::vector<mapping::Landmark> MapperNode::finished_landmarks() const {
+  if (finished_) return finished_->landmarks;
+  return mapping::finish_without_ways(mapper_, finish_config()).landmarks;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

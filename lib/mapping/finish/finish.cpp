@@ -88,6 +88,20 @@ FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
   }
 }
 
+FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOccupancy& ground) {
+  std::vector<Landmark> standing = mapper.landmarks(config.min_observations);
+  FinishedMap early;
+  note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
+               early);
+  omit(mapper.spurious_ids(ground), Omission::kSpurious, standing, early);
+  FinishedMap map = numbered(mapper, config, standing, ground);
+  map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
+  std::sort(map.omitted.begin(), map.omitted.end(),
+            [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });
+  map.rows = numbered_rows(map.landmarks);
+  return map;
+}
+
 }  // namespace
 
 std::size_t FinishedMap::num_omitted(Omission reason) const {
@@ -98,18 +112,13 @@ std::size_t FinishedMap::num_omitted(Omission reason) const {
 
 FinishedMap finish(const Mapper& mapper, const FinishConfig& config) {
   const std::shared_ptr<GroundOccupancy> ground = mapper.ground();
-  std::vector<Landmark> standing = mapper.landmarks(config.min_observations);
-  FinishedMap early;
-  note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
-               early);
-  omit(mapper.spurious_ids(*ground), Omission::kSpurious, standing, early);
-  FinishedMap map = numbered(mapper, config, standing, *ground);
-  map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
-  std::sort(map.omitted.begin(), map.omitted.end(),
-            [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });
-  map.rows = numbered_rows(map.landmarks);
+  FinishedMap map = finish_on(mapper, config, *ground);
   map.graph = navigation_graph_of(map.landmarks, map.rows, *ground);
   return map;
+}
+
+FinishedMap finish_without_ways(const Mapper& mapper, const FinishConfig& config) {
+  return finish_on(mapper, config, *mapper.ground());
 }
 
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

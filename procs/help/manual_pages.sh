@@ -16,7 +16,7 @@ page() {  # page COMMAND...
   title=$(IFS=-; echo "$*")
   what=$(help_text "$@" | sed -n 1p | sed 's/^[A-Z][a-z]* Mapper: //')
   help2man --no-info --version-string="$version" --name="${what,}" --manual="Orchard Mapper" \
-    --source="Orchard Mapper $version" "$*" |
+    --source="Orchard Mapper $version" "$(typed "$@")" |
     awk -v title="${title^^}" '
       /^\.TH / { sub(/^\.TH [^"]*"[^"]*"( "1")?/, ".TH " title " \"1\"") }
       name { sub(/^.* \\- /, tolower(title) " \\- "); name = 0 }
@@ -33,6 +33,9 @@ for command in "${all[@]}"; do
   read -r -a words <<<"$command"
   page "${words[@]}"
 done
-for program in "$bin"/orchard-*; do page "$(basename "$program")"; done
+for program in "$bin"/orchard-*; do  # but for the companions of orchard, which are not called
+  name=$(basename "$program")
+  [ "$(help_text "$name")" = "$(help_text orchard)" ] || page "$name"
+done
 gzip -9nk "$out"/*.1
 echo "manual pages: $(find "$out" -name '*.1' | wc -l)"

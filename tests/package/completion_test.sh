@@ -22,6 +22,8 @@ expect() {  # expect WANTED WORDS...
 expect "info" orchard log inf
 expect "--truth" orchard simulate --tru
 expect "" orchard map --config ""  # a file: left to the shell
+expect "renumber" orchard edit out/drive ren
+expect "--class" orchard edit out/drive add --cl
 expect "--print-config" orchard-detector --print
 
 # Every subcommand that is offered answers --help.
@@ -30,4 +32,10 @@ for command in $(completions orchard ""); do
   "$bin/orchard" "$command" --help >/dev/null || { echo "orchard $command --help fails"; exit 1; }
   [ ! -d "$help/man" ] || [ -s "$help/man/orchard-$command.1" ] || { echo "no page orchard-$command.1"; exit 1; }
 done
+# A command below another has its own page, and nothing that is no command has one.
+if [ -d "$help/man" ]; then
+  grep -q 'tree|object' "$help/man/orchard-edit-add.1" || { echo "orchard-edit-add.1 is another command's"; exit 1; }
+  twins=$(for page in "$help"/man/*.1; do sed '/^\.TH /d; /^\.SH NAME/,/^\.SH /d' "$page" | md5sum; done | sort | uniq -d)
+  [ -z "$twins" ] || { echo "some manual pages say the same"; exit 1; }
+fi
 echo "completion and manual pages say what the programs say"

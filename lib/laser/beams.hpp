@@ -26,7 +26,8 @@ class Beams {
   Beams(const Scan& scan, const SegmentationConfig& config);
 
   std::ptrdiff_t size() const { return size_; }
-  double step_rad() const { return step_rad_; }  ///< angle between neighbouring beams, > 0
+  double step_rad() const { return step_rad_; }    ///< angle between neighbouring beams, > 0
+  const Direction& step() const { return step_; }  ///< the same, as a direction
 
   /// Index into the scan's ranges_m of a position in [-size(), 2 size()).
   std::size_t index(std::ptrdiff_t i) const {
@@ -34,10 +35,6 @@ class Beams {
     return static_cast<std::size_t>(shifted >= size_ ? shifted - size_
                                     : shifted < 0    ? shifted + size_
                                                      : shifted);
-  }
-  /// Direction of a beam relative to the beam `num_steps` before it; `num_steps` in [0, size()).
-  const Direction& direction(std::ptrdiff_t num_steps) const {
-    return directions_[static_cast<std::size_t>(num_steps)];
   }
   /// The validated range [m] at a position in [0, size()); 0 = no return.
   float range_m(std::ptrdiff_t i) const { return ranges_m_[index(i)]; }
@@ -55,8 +52,6 @@ class Beams {
   /// Whether a beam hit a reflector; false if reflectors are ignored.
   bool bright(std::ptrdiff_t i) const { return has_bright_ && bright_[index(i)] != 0; }
   bool has_bright() const { return has_bright_; }
-  /// Whether objects divided by thin foreground clutter are merged.
-  bool merges_occluded() const { return config_.merge_occluded_beams > 0; }
   /// Range step that separates two objects at this range [m].
   double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
   /// Whether two neighbouring ranges belong to one object.
@@ -72,21 +67,18 @@ class Beams {
   }
   void validate(const Scan& scan);
   void find_bright(const Scan& scan);
-  void find_directions();
-  /// Marks a single beam on a thin object close in front of a surface as no return.
-  void remove_foreground_clutter();
   std::ptrdiff_t first_gap() const;
 
   const SegmentationConfig& config_;
   std::ptrdiff_t size_;
   double step_rad_;
+  Direction step_;
   std::ptrdiff_t start_ = 0;
   bool is_turn_ = false;
   std::vector<float> ranges_m_;
   std::vector<std::uint8_t> blocked_;
   std::vector<std::uint8_t> bright_;
   bool has_bright_ = false;
-  std::vector<Direction> directions_;  ///< by number of steps
 };
 
 }  // namespace orchard::laser

@@ -22,11 +22,6 @@ bool is_step_between_surfaces(const Beams& beams, std::ptrdiff_t before, std::pt
   const double step_m = high_m - low_m;
   if (std::abs(step_m) <= beams.jump_m(std::min(low_m, high_m))) return false;
   if ((here_m - low_m) * step_m <= 0.0 || (high_m - here_m) * step_m <= 0.0) return false;
-  // Not mixed if within the noise of one of the surfaces: the parts of an object behind a twig end
-  // in such beams, and would no longer be merged.
-  const double noise_m = kBorderNoiseFraction * beams.jump_m(std::min(low_m, high_m));
-  const bool on_one = std::abs(here_m - low_m) < noise_m || std::abs(high_m - here_m) < noise_m;
-  if (beams.merges_occluded() && on_one) return false;
   const auto flat = [&](double a_m, double b_m) {
     return a_m <= 0.0 || b_m <= 0.0 || std::abs(a_m - b_m) < 0.25 * std::abs(step_m);
   };
@@ -34,26 +29,18 @@ bool is_step_between_surfaces(const Beams& beams, std::ptrdiff_t before, std::pt
 }
 
 /// Removes the beam at one end if it is a mixed pixel; `inwards` (+1, -1) points to the rest.
-/// Returns whether a beam was removed.
-bool trim_end(const Beams& beams, Candidate& candidate, std::ptrdiff_t inwards) {
-  if (candidate.num_beams < 3) return false;
+void trim_end(const Beams& beams, Candidate& candidate, std::ptrdiff_t inwards) {
+  if (candidate.num_beams < 3) return;
   const bool at_end = inwards < 0;
   const std::ptrdiff_t border = at_end ? candidate.last : candidate.first;
   const std::ptrdiff_t outside = border - inwards;
-  const auto next_on_candidate = [&](std::ptrdiff_t from) {
-    std::ptrdiff_t inner = from + inwards;
-    while (beams.range_m(inner) <= 0.0f || candidate.in_foreground(inner) ||
-           !beams.joined(beams.range_m(from), beams.range_m(inner))) {
-      inner += inwards;
-      if (inner == (at_end ? candidate.first : candidate.last)) break;
-    }
-    return inner;
-  };
-  const std::ptrdiff_t inner = next_on_candidate(border);
-  // Beside another surface the border beam may be mixed; without a return beside it, it may be a
-  // separate thin object.
-  const bool alone = beams.range_around_m(outside) <= 0.0f;
-  if (alone && !beams.merges_occluded()) return false;
+  if (beams.range_around_m(outside) <= 0.0f) return;  // no surface that it could be mixed with
+  std::ptrdiff_t inner = border + inwards;            // the next beam on the candidate
+  while (beams.range_m(inner) <= 0.0f ||
+         !beams.joined(beams.range_m(border), beams.range_m(inner))) {
+    inner += inwards;
+    if (inner == (at_end ? candidate.first : candidate.last)) break;
+  }
   const double range_m = beams.range_m(inner);
   const double spacing_m = range_m * beams.step_rad();
   const double radius_m = 0.5 * static_cast<double>(candidate.last - candidate.first) * spacing_m;
@@ -63,18 +50,9 @@ bool trim_end(const Beams& beams, Candidate& candidate, std::ptrdiff_t inwards) 
   const double rise_m = beams.range_m(border) - range_m;
   const double outside_m = beams.range_around_m(outside) - range_m;
   const bool may_be_mixed = rise_m * outside_m > 0.0 && std::abs(outside_m) > std::abs(rise_m);
-  if ((alone || may_be_mixed) && std::abs(rise_m) > max_m) {
-    (at_end ? candidate.last : candidate.first) = inner;
-    --candidate.num_beams;
-    return true;
-  }
-  // Two beams on a thin object.
-  if (!alone || candidate.num_beams < 5) return false;
-  const std::ptrdiff_t second = next_on_candidate(inner);
-  if (std::abs(beams.range_m(inner) - beams.range_m(second)) <= max_m) return false;
-  (at_end ? candidate.last : candidate.first) = second;
-  candidate.num_beams -= 2;
-  return true;
+  if (!may_be_mixed || std::abs(rise_m) <= max_m) return;
+  (at_end ? candidate.last : candidate.first) = inner;
+  --candidate.num_beams;
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
                 const LaserConfig& laser, CandidateFitter& fit) {
   const double step_rad = beams.step_rad();
   const double span_beams = static_cast<double>(candidate.last - candidate.first);
-  const Sides sides = sides_of(beams, candidate, config, laser);
+  const Sides sides = sides_of(beams, candidate, laser);
   Segment s;
   s.first_beam = beams.index(candidate.first);
   s.last_beam = beams.index(candidate.last);
@@ -236,7 +236,6 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
                gap_after_m = gap_m(beams, candidate.last, 1);
   s.gap_right_m = upwards ? gap_before_m : gap_after_m;
   s.gap_left_m = upwards ? gap_after_m : gap_before_m;
-  s.num_foregrounds = candidate.num_foregrounds;
   measure_intensity(scan, beams, candidate, config.reflectivity_min, s);
   measure_shape(scan, candidate, sides, config, laser, fit, s);
   if (s.circle && (s.occluded_left || s.occluded_right) && width.mode == WidthMode::kCompensated) {

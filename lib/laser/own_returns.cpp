@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::laser {
 namespace {
@@ -37,10 +38,11 @@ bool OwnReturns::has_moved(const Scan& scan) const {
   for (std::size_t i = 0; i < last_m_.size(); ++i) {
     const double was_m = last_m_[i], is_m = scan.valid(i) ? scan.ranges_m[i] : 0.0;
     if (was_m == 0.0 && is_m == 0.0) continue;
-    const double apart_m =
-        kSigmas * std::hypot(config_.range_sd_m, config_.range_sd_fraction * was_m);
+    const double sd2_m2 =
+        geometry::square(config_.range_sd_m) + geometry::square(config_.range_sd_fraction * was_m);
+    const bool is_apart = geometry::square(was_m - is_m) > kSigmas * kSigmas * sd2_m2;
     ++num;
-    if (was_m == 0.0 || is_m == 0.0 || std::abs(was_m - is_m) > apart_m) ++num_changed;
+    if (was_m == 0.0 || is_m == 0.0 || is_apart) ++num_changed;
   }
   return 2 * num_changed > num;
 }

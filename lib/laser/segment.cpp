@@ -8,7 +8,6 @@
 #include "laser/candidate.hpp"
 #include "laser/measure.hpp"
 #include "laser/splitting/bright_cut.hpp"
-#include "laser/splitting/occlusion_merge.hpp"
 #include "laser/splitting/split_touching.hpp"
 
 namespace orchard::laser {
@@ -35,7 +34,6 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
   const Beams beams(scan, segmentation);
   std::vector<Candidate> candidates = find_candidates(beams);
   CandidateFitter fit(beams, segmentation, laser);
-  merge_occluded(beams, segmentation, fit, candidates);
   for (Candidate& candidate : candidates) trim_border(beams, candidate);
   split_touching(beams, segmentation, width, laser, fit, candidates);
   const auto measured = [&](const Candidate& candidate) {

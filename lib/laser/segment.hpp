@@ -38,7 +38,6 @@ struct Segment {
   double depth_m = 0.0;         ///< extent of its points along the line of sight
   bool occluded_right = false;  ///< this side is hidden by a nearer object or the end of the scan
   bool occluded_left = false;
-  int num_foregrounds = 0;  ///< number of thin objects (grass, twigs) that hide some of its beams
 
   /// Circle fitted to the visible arc, laser frame. Needs SegmentationConfig::min_beams_circle
   /// beams (twice as many with a hidden side), an acceptable chi2 per degree of freedom, and with a
@@ -64,8 +63,8 @@ struct Segment {
 ///
 /// An object lies between two spikes of d(ranges)/d(steps). One missing beam (or one beam on a
 /// nearer object) inside an object is bridged; a single beam whose footprint covers two surfaces
-/// (mixed pixel) belongs to neither. Parts divided by grass or a twig are merged if one circle fits
-/// both; a segment is split if two circles fit much better than one. 360 degree scans have no seam.
+/// (mixed pixel) belongs to neither. A segment is split if two circles
+/// fit much better than one. 360 degree scans have no seam.
 /// Invalid ranges (0, NaN, infinity, out of range, in the blind sector) count as no return; nothing
 /// is thrown.
 ///

@@ -22,7 +22,6 @@ struct SegmentationConfig {
   double width_max_m = 2.0;           ///< wider objects (walls, hedges) are not reported
   double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
   double blind_half_width_rad = 0.0;  ///< half the angle of the sector; 0 = no sector
-  int merge_occluded_beams = 3;       ///< max width of the clutter that parts are merged across
   bool split_touching = true;         ///< split an object that two circles fit clearly better
   int min_beams_circle = 3;           ///< min beams for a circle fit; twice that with a hidden side
   ReflectorUse reflector = ReflectorUse::kIgnored;
@@ -49,9 +48,6 @@ void describe(Visitor& v, SegmentationConfig& c) {
            "middle of the sector in which the scanner sees the robot itself, in the laser frame");
   v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
            "half the angle of that sector; 0 = no such sector");
-  v.integer("merge_occluded_beams", c.merge_occluded_beams, 0, 20, "beams",
-            "max width of grass or a twig in front of an object, in beams: the parts beside it are "
-            "merged; 0 = off");
   v.flag("split_touching", c.split_touching,
          "split an object that two circles fit clearly better than one (touching trunks)");
   v.expert().integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",

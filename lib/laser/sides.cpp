@@ -7,10 +7,8 @@
 namespace orchard::laser {
 namespace {
 
-const double kUniformSd = 1.0 / std::sqrt(12.0);
-
 Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bool touches,
-             const SegmentationConfig& config, const LaserConfig& laser) {
+             const LaserConfig& laser) {
   Side side;
   if (touches) {
     side.sd_beams = 1.0;
@@ -37,31 +35,15 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
   }
   if (next_m > range_m + beams.jump_m(range_m)) return side;  // free side: background visible
   // One beam between the two objects may be a mixed pixel or missing.
-  const std::ptrdiff_t first = nearer(1) ? 1 : 2;
-  if (!nearer(first)) return side;
-  std::ptrdiff_t beyond = first + 1;
-  while (beyond - first <= config.merge_occluded_beams && nearer(beyond)) ++beyond;
-  // If another surface is visible beyond a thin object, the edge lies behind the thin object.
-  const std::ptrdiff_t farther = end + beyond * outwards;
-  const double beyond_m = beams.range_around_m(farther);
-  const bool thin = beyond - first <= config.merge_occluded_beams && !beams.blocked(farther) &&
-                    !beams.joined(beyond_m, range_m);
-  if (!thin) {
-    side.hidden = true;
-    return side;
-  }
-  const double unseen_beams = static_cast<double>(beyond);
-  side.beyond_beams = 0.5 * unseen_beams;
-  side.sd_beams = kUniformSd * unseen_beams;
+  side.hidden = nearer(1) || nearer(2);
   return side;
 }
 
 }  // namespace
 
-Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config,
-               const LaserConfig& laser) {
-  Sides sides{side_at(beams, candidate.first, -1, candidate.touches_before, config, laser),
-              side_at(beams, candidate.last, 1, candidate.touches_after, config, laser)};
+Sides sides_of(const Beams& beams, const Candidate& candidate, const LaserConfig& laser) {
+  Sides sides{side_at(beams, candidate.first, -1, candidate.touches_before, laser),
+              side_at(beams, candidate.last, 1, candidate.touches_after, laser)};
   sides.before.hidden = sides.before.hidden || candidate.hidden_before;
   sides.after.hidden = sides.after.hidden || candidate.hidden_after;
   return sides;
@@ -72,11 +54,19 @@ void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, 
   arc.ranges_m.clear();
   arc.cosines.clear();
   arc.sines.clear();
+  // Rotated from beam to beam: cheaper than sin and cos of each; the error is 1e-13 after 1000.
+  double c = 1.0, s = 0.0;
+  const Direction& step = beams.step();
+  std::ptrdiff_t at = candidate.first;
   for_each_beam(beams, candidate, [&](std::ptrdiff_t i) {
+    for (; at < i; ++at) {
+      const double turned_c = c * step.c - s * step.s;
+      s = s * step.c + c * step.s;
+      c = turned_c;
+    }
     arc.ranges_m.push_back(beams.range_m(i));
-    const Direction& direction = beams.direction(i - candidate.first);
-    arc.cosines.push_back(direction.c);
-    arc.sines.push_back(direction.s);
+    arc.cosines.push_back(c);
+    arc.sines.push_back(s);
   });
   const double last = static_cast<double>(candidate.last - candidate.first);
   arc.low_side_rad = -sides.before.beyond_beams * step_rad;

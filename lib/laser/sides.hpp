@@ -20,11 +20,9 @@ struct Sides {
 };
 
 /// Determines both sides of a candidate. A side is hidden beside the end of the scan, a blind
-/// sector or a nearer object. If the nearer object is thin (at most merge_occluded_beams beams,
-/// another surface visible beyond), the edge lies somewhere behind it. At a free side the spot
-/// meets the object before the beam's axis does, so the edge is half a spot nearer to the beam.
-Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config,
-               const LaserConfig& laser);
+/// sector or a nearer object. At a free side the spot meets the object before the beam's axis does,
+/// so the edge is half a spot nearer to the beam.
+Sides sides_of(const Beams& beams, const Candidate& candidate, const LaserConfig& laser);
 
 /// Fills `arc` with the measurements for a circle fit, in a frame whose x axis is the candidate's
 /// first beam and whose bearings increase with the position.

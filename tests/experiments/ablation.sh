@@ -119,13 +119,11 @@ set_key "$work/rig.yaml" mapper evidence labels
 set_key "$work/rig.yaml" mapper min_observations 1
 set_key "$work/rig.yaml" mapper merge_m 0.10
 set_key "$work/rig.yaml" mapper deskew_pose_gap_max_s 0
-set_key "$work/rig.yaml" detector.segmentation merge_occluded_beams 0
 set_key "$work/rig.yaml" detector.segmentation split_touching false
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 1000
 judge "the paper's rules"
 set_key "$work/rig.yaml" detector.width mode compensated
 judge "compensated width"
-set_key "$work/rig.yaml" detector.segmentation merge_occluded_beams 3
 set_key "$work/rig.yaml" detector.segmentation split_touching true
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 3
 set_key "$work/rig.yaml" detector visible_fraction_min 0.7

@@ -53,23 +53,58 @@ void BestSplit::extend_explanation(std::size_t from, std::size_t to, double cost
 }
 
 void BestSplit::extend_by_hidden_trunk(const Candidate& piece, std::size_t from, std::size_t to,
+                                       const std::optional<CircleFit>& near,
                                        const PartEvidence& evidence) {
   const auto extend = [&](bool Candidate::*hidden, Kind kind, std::size_t end, std::size_t beside) {
     const double beside_m = beams_.range_m(positions_[beside]);
     if (beams_.range_m(positions_[end]) < beside_m) return;
     Candidate behind = piece;
     behind.*hidden = true;
-    const auto circle = fit_.good(behind, {}, evidence.radius_prior());
+    const auto circle = fit_.good(behind, near, evidence.radius_prior());
     // It goes on behind the neighbour's outermost beam; less than a beam is not known to be hidden.
     const std::ptrdiff_t offset = positions_[beside] - piece.first;
-    const Direction& ahead = beams_.direction(std::abs(offset));
-    const Direction direction{ahead.c, offset < 0 ? -ahead.s : ahead.s};
+    const double bearing_rad = static_cast<double>(offset) * beams_.step_rad();
+    const Direction direction{std::cos(bearing_rad), std::sin(bearing_rad)};
     if (circle && range_of_circle_m(*circle, direction) > beside_m) {
       extend_explanation(from, to, evidence.of_hidden_trunk(*circle), kind);
     }
   };
   if (from > 0) extend(&Candidate::hidden_before, Kind::kBehindBefore, from, from - 1);
   if (to < positions_.size()) extend(&Candidate::hidden_after, Kind::kBehindAfter, to - 1, to);
+}
+
+bool BestSplit::extend_by_first_circle(const Candidate& candidate, std::size_t from,
+                                       std::size_t least, const PartEvidence& evidence) {
+  int num_misfits = kMaxMisfitsAtFirst;
+  std::optional<CircleFit> last;  // warm start from the circle fitted to one beam less
+  for (std::size_t to = least; to <= positions_.size(); ++to) {
+    if (extend_by_circle(part(candidate, from, to), from, to, last, evidence)) {
+      num_misfits = kMaxMisfits;
+    } else if (--num_misfits == 0) {
+      break;
+    }
+  }
+  return last.has_value();
+}
+
+void BestSplit::extend_by_last_circle(const Candidate& candidate, std::size_t from,
+                                      std::size_t least, const PartEvidence& evidence) {
+  const std::size_t n = positions_.size();
+  std::optional<CircleFit> last;
+  for (std::size_t to = n; to >= std::max(least, n - kMaxThinBeams); --to) {
+    if (extend_by_circle(part(candidate, from, to), from, to, last, evidence)) return;
+  }
+}
+
+bool BestSplit::extend_by_circle(const Candidate& piece, std::size_t from, std::size_t to,
+                                 std::optional<CircleFit>& last, const PartEvidence& evidence) {
+  const auto circle = fit_.good(piece, last);
+  if (circle) {
+    last = circle;
+    extend_explanation(from, to, evidence.of_circle(*circle, piece), Kind::kCircle);
+  }
+  extend_by_hidden_trunk(piece, from, to, last, evidence);
+  return circle.has_value();
 }
 
 void BestSplit::find_explanations(const Candidate& candidate, const PartEvidence& evidence) {
@@ -79,27 +114,16 @@ void BestSplit::find_explanations(const Candidate& candidate, const PartEvidence
   for (auto& explanations : explanations_)
     explanations.assign(n + 1, {kInfinity, 0, Kind::kClutter});
   explanations_[0][0].cost = 0.0;
+  bool begins = false;
   for (std::size_t from = 0; from < n; ++from) {
     for (std::size_t thin = 1; thin <= std::min(kMaxThinBeams, n - from); ++thin) {
       extend_explanation(from, from + thin, kThinCosts[thin - 1], Kind::kClutter);
     }
-    const bool is_first = from <= kMaxThinBeams;  // otherwise it must be the last circle
-    if (!is_first && explanations_[1][from].cost == kInfinity) continue;
-    const std::size_t least = from + fewest;
-    int num_misfits = kMaxMisfitsAtFirst;
-    // Warm start from the circle fitted to one beam less.
-    std::optional<CircleFit> last;
-    for (std::size_t to = is_first ? least : std::max(least, n - kMaxThinBeams); to <= n; ++to) {
-      const Candidate piece = part(candidate, from, to);
-      const auto circle = fit_.good(piece, last);
-      if (circle) {
-        last = circle;
-        extend_explanation(from, to, evidence.of_circle(*circle, piece), Kind::kCircle);
-        num_misfits = kMaxMisfits;
-      } else if (--num_misfits == 0) {
-        break;
-      }
-      extend_by_hidden_trunk(piece, from, to, evidence);
+    // Beams at an end are clutter only where no good circle takes them in.
+    if (from <= kMaxThinBeams) {
+      if (!begins) begins = extend_by_first_circle(candidate, from, from + fewest, evidence);
+    } else if (explanations_[1][from].cost < kInfinity) {
+      extend_by_last_circle(candidate, from, from + fewest, evidence);
     }
   }
 }

@@ -38,9 +38,19 @@ class BestSplit {
   Candidate part(const Candidate& candidate, std::size_t from, std::size_t to) const;
   void extend_explanation(std::size_t from, std::size_t to, double cost, Kind kind);
   /// Tries beams as a trunk whose side is hidden behind a nearer neighbour among the candidate's
-  /// beams.
+  /// beams. `near`: where its fit starts.
   void extend_by_hidden_trunk(const Candidate& piece, std::size_t from, std::size_t to,
+                              const std::optional<CircleFit>& near, const PartEvidence& evidence);
+  /// Tries the beams from `from` on as the first circle, for every end from `least` on; returns
+  /// whether one was good.
+  bool extend_by_first_circle(const Candidate& candidate, std::size_t from, std::size_t least,
                               const PartEvidence& evidence);
+  /// Tries the beams from `from` to an end of the candidate as the last circle.
+  void extend_by_last_circle(const Candidate& candidate, std::size_t from, std::size_t least,
+                             const PartEvidence& evidence);
+  /// Tries beams as a circle; a good one becomes `last`. Returns whether it is good.
+  bool extend_by_circle(const Candidate& piece, std::size_t from, std::size_t to,
+                        std::optional<CircleFit>& last, const PartEvidence& evidence);
   void find_explanations(const Candidate& candidate, const PartEvidence& evidence);
   /// Drops clutter beams that are not nearer than their neighbours: they are mixed pixels.
   void drop_mixed();

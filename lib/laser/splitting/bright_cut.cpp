@@ -34,7 +34,7 @@ std::optional<Candidate> part_beside(const Beams& beams, const Candidate& whole,
   Candidate part = whole;
   part.num_beams = 0;
   for (std::ptrdiff_t i = std::max(first, whole.first); i <= std::min(last, whole.last); ++i) {
-    if (!(beams.range_m(i) > 0.0f) || whole.in_foreground(i)) continue;
+    if (!(beams.range_m(i) > 0.0f)) continue;
     if (part.num_beams++ == 0) part.first = i;
     part.last = i;
   }

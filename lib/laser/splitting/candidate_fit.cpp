@@ -11,14 +11,9 @@ constexpr double kSettled_m = 1e-4;
 
 /// Whether two candidates with the same first beam have the same beams and sides.
 bool same(const Candidate& a, const Candidate& b) {
-  bool alike = a.last == b.last && a.num_foregrounds == b.num_foregrounds &&
-               a.touches_before == b.touches_before && a.touches_after == b.touches_after &&
-               a.hidden_before == b.hidden_before && a.hidden_after == b.hidden_after;
-  for (int k = 0; alike && k < a.num_foregrounds; ++k) {
-    alike = a.foregrounds[k].first == b.foregrounds[k].first &&
-            a.foregrounds[k].last == b.foregrounds[k].last;
-  }
-  return alike;
+  return a.last == b.last && a.touches_before == b.touches_before &&
+         a.touches_after == b.touches_after && a.hidden_before == b.hidden_before &&
+         a.hidden_after == b.hidden_after;
 }
 
 }  // namespace
@@ -31,7 +26,7 @@ CandidateFitter::CandidateFitter(const Beams& beams, const SegmentationConfig& c
       last_known_(static_cast<std::size_t>(beams.size()), -1) {}
 
 const Arc& CandidateFitter::arc(const Candidate& candidate) {
-  arc_of(beams_, candidate, sides_of(beams_, candidate, config_, laser_), arc_);
+  arc_of(beams_, candidate, sides_of(beams_, candidate, laser_), arc_);
   return arc_;
 }
 

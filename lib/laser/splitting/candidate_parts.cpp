@@ -17,11 +17,6 @@ Candidate part_of(const Beams& beams, const Candidate& candidate, std::ptrdiff_t
   Candidate part = candidate;
   part.first = first;
   part.last = last;
-  part.num_foregrounds = 0;
-  for (int k = 0; k < candidate.num_foregrounds; ++k) {
-    const Candidate::Foreground& front = candidate.foregrounds[k];
-    if (front.first > first && front.last < last) part.foregrounds[part.num_foregrounds++] = front;
-  }
   if (first > candidate.first) part.touches_before = true, part.hidden_before = false;
   if (last < candidate.last) part.touches_after = true, part.hidden_after = false;
   part.num_beams = 0;

@@ -110,12 +110,14 @@ bool two_fit_better(const Split& parts, const Candidate& candidate, CandidateFit
   return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
 }
 
-/// Whether a candidate with a hidden side is flat; any large circle fits it, so a split would not
-/// be determined.
-bool is_flat_piece(const Candidate& candidate, CandidateFitter& fit) {
+/// Whether a candidate is flat: a line is more probable than any share of its span between two
+/// stems, or a side is hidden, where any large circle fits and a split would not be determined.
+bool is_flat(const Candidate& candidate, const PartEvidence& evidence, CandidateFitter& fit) {
   const Arc& arc = fit.arc(candidate);
   const bool hidden = arc.low_side_sd_rad == 0.0 || arc.high_side_sd_rad == 0.0;
-  return hidden && line_chi2(arc, fit.range_sd_m(candidate)) < kGoodFit * (candidate.num_beams - 2);
+  const double chi2 = line_chi2(arc, fit.range_sd_m(candidate));
+  return (hidden && chi2 < kGoodFit * (candidate.num_beams - 2)) ||
+         evidence.of_line(chi2) < evidence.least_of_two();
 }
 
 bool has_bright(const Beams& beams, const Candidate& candidate) {
@@ -156,7 +158,7 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
                                   candidate.num_beams);
       const auto one = fit(candidate);
       if (fits(one) && evidence.of_circle(*one, candidate) < evidence.least_of_two()) continue;
-      if (is_flat_piece(candidate, fit)) continue;
+      if (is_flat(candidate, evidence, fit)) continue;
       const std::vector<Candidate>& parts = best_split(candidate, evidence);
       if (parts.empty()) continue;
       replace(parts);

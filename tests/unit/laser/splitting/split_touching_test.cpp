@@ -97,23 +97,6 @@ TEST(Split, AStakeThatTouchesATrunkDoesNotWidenIt) {
 
 // Nearer than a trunk by less than the step that separates objects, so that the cut does not see
 // it.
-TEST(Split, ALoneBeamBeforeATrunkIsNoPartOfIt) {
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    Noise noise(seed);
-    const Disc trunk{3.0, 0.0, 0.062};
-    Scan scan = noisy_scan({{trunk}, {}}, field_scanner(), noise);
-    const auto whole = segments_of(scan);
-    ASSERT_EQ(whole.size(), 1u);
-    const std::size_t blade = whole[0].first_beam + 2 + seed % 5;
-    scan.ranges_m[blade] -= 0.12f;
-    const auto found = segments_of(scan);
-    ASSERT_EQ(found.size(), 1u) << seed;
-    EXPECT_NEAR(found[0].width_m, whole[0].width_m, 0.01) << seed;
-    ASSERT_TRUE(found[0].circle) << seed;
-    EXPECT_NEAR(found[0].circle->x_m, trunk.x_m, 0.03) << seed;
-  }
-}
-
 // Something hides one side of a trunk, and noise makes what shows flat or even hollow: no pair.
 TEST(Split, AHalfHiddenTrunkStaysOne) {
   int num_one = 0;

@@ -26,7 +26,7 @@ packages=(
   libopencv-dev
   libturbojpeg0-dev libjpeg-dev
   # figures, and the font that stands in them
-  libcairo2-dev fonts-dejavu-core
+  libcairo2-dev libpng-dev fonts-dejavu-core
   # files
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # bags of ROS

@@ -65,7 +65,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libgeographiclib-dev, pkg-config")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libopencv-dev, libjpeg-dev, libmrpt-poses-dev, libceres-dev, libmetis-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS
-    "orchard-mapper, liblcm-dev, libmrpt-obs-dev, libcairo2-dev, libgdal-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, nlohmann-json3-dev, libturbojpeg0-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libbz2-dev, libsqlite3-dev, libpq-dev, libssl-dev")
+    "orchard-mapper, liblcm-dev, libmrpt-obs-dev, libcairo2-dev, libpng-dev, libgdal-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, nlohmann-json3-dev, libturbojpeg0-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libbz2-dev, libsqlite3-dev, libpq-dev, libssl-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "library to map tree trunks from laser scans (development files)
 What Orchard Mapper is made of, as static libraries with headers and a CMake
 package of components: geometry, laser, vision, detection, pose, mapping and

@@ -13,12 +13,10 @@
 
 #include "io/file_error.hpp"
 #include "io/gis/gdal_errors.hpp"
+#include "io/gis/geopackage.hpp"
 
 namespace orchard::io {
 namespace {
-
-/// Without this, GDAL writes the time of day into a GeoPackage.
-constexpr char kFixedDate[] = "2000-01-01T00:00:00.000Z";
 
 /// A file in memory, deleted with this object.
 class MemoryFile {
@@ -59,16 +57,11 @@ OGRFieldType ogr_type(GeoType type) {
   return OFTString;
 }
 
-/// With axes, so that every program treats it as a plane in metres.
-constexpr char kLocalSystem[] =
-    "LOCAL_CS[\"Orchard map (local)\",LOCAL_DATUM[\"Where the first drive began\",0],"
-    "UNIT[\"metre\",1],AXIS[\"x\",EAST],AXIS[\"y\",NORTH]]";
-
 /// Name of the driver in GDAL.
 const char* driver_of(GeoFormat format) {
   switch (format) {
     case GeoFormat::kGeoPackage:
-      return "GPKG";
+      break;  // written by GeoPackage
     case GeoFormat::kGeoJson:
       return "GeoJSON";
     case GeoFormat::kKml:
@@ -113,138 +106,111 @@ std::string geo_system_text(const std::optional<geometry::Georeference>& georefe
          utm;
 }
 
-struct GeoFile::Impl {
-  Impl(const std::optional<geometry::Georeference>& g, const GeoFormatInfo& f)
-      : georeference(g), info(f), file(f.extension) {}
+namespace {
 
+/// A file written by GDAL.
+class OgrFile final : public LayerFile {
+ public:
+  OgrFile(const std::optional<geometry::Georeference>& georeference, const GeoFormatInfo& info);
+  std::string finish() override;
+
+ protected:
+  void open_layer(const GeoLayer& layer) override;
+  void write_feature(const std::vector<GeoValue>& values,
+                     const std::vector<Eigen::Vector2d>& points_map) override;
+
+ private:
   void require(bool holds) const {
-    if (holds && errors.first().empty()) return;
-    throw FileError(std::string("map") + info.extension + ": GDAL cannot write it (" +
-                    (errors.first().empty() ? std::string("no reason given") : errors.first()) +
-                    "); install GDAL with its " + driver_of(info.format) + " driver?");
+    if (holds && errors_.first().empty()) return;
+    throw FileError(std::string("map") + info_.extension + ": GDAL cannot write it (" +
+                    (errors_.first().empty() ? std::string("no reason given") : errors_.first()) +
+                    "); install GDAL with its " + driver_of(info_.format) + " driver?");
   }
-  OGRPoint point(const Eigen::Vector2d& p_map) const {
-    if (!georeference) return OGRPoint(p_map.x(), p_map.y());
-    if (info.is_on_earth) {
-      const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
+  OGRPoint point_of(const Eigen::Vector2d& p_map) const {
+    if (!georeference_) return OGRPoint(p_map.x(), p_map.y());
+    if (info_.is_on_earth) {
+      const geometry::Geodetic place = geometry::geodetic_of(*georeference_, p_map);
       return OGRPoint(place.longitude_deg, place.latitude_deg);
     }
-    const Eigen::Vector2d p = geometry::utm_of(*georeference, p_map);
+    const Eigen::Vector2d p = geometry::utm_of(*georeference_, p_map);
     return OGRPoint(p.x(), p.y());
   }
   void set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const;
   void add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry);
-  void write_styles();
 
-  std::optional<geometry::Georeference> georeference;
-  const GeoFormatInfo& info;
-  CPLConfigOptionSetter fixed_date{"OGR_CURRENT_DATE", kFixedDate, false};
-  CPLConfigOptionSetter label_field{"LIBKML_NAME_FIELD", "label", false};
-  CPLConfigOptionSetter no_hatch{"DXF_WRITE_HATCH", "NO", false};  // an outline only
-  GdalErrors errors;
-  MemoryFile file;
-  OGRSpatialReference srs;
-  std::unique_ptr<GDALDataset> dataset;
-  OGRLayer* layer = nullptr;  ///< null: omitted
-  GeoLayer begun{};           ///< the current layer
-  bool is_table = false;      ///< coordinates are columns, no geometry is written
-  std::string chosen;         ///< empty: all, or the first of a format with one layer
-  std::vector<std::string> left_out;
-  std::vector<std::pair<std::string, std::size_t>> written;
-  std::vector<GeoLayer> styled;
+  std::optional<geometry::Georeference> georeference_;
+  const GeoFormatInfo& info_;
+  CPLConfigOptionSetter label_field_{"LIBKML_NAME_FIELD", "label", false};
+  CPLConfigOptionSetter no_hatch_{"DXF_WRITE_HATCH", "NO", false};  // an outline only
+  GdalErrors errors_;
+  MemoryFile file_;
+  OGRSpatialReference srs_;
+  std::unique_ptr<GDALDataset> dataset_;
+  OGRLayer* layer_ = nullptr;
+  GeoLayer begun_{};       ///< the current layer
+  bool is_table_ = false;  ///< coordinates are columns, no geometry is written
 };
 
-GeoFile::GeoFile(const std::optional<geometry::Georeference>& georeference, GeoFormat format) {
+OgrFile::OgrFile(const std::optional<geometry::Georeference>& georeference,
+                 const GeoFormatInfo& info)
+    : LayerFile(info.has_one_layer),
+      georeference_(georeference),
+      info_(info),
+      file_(info.extension) {
   GDALAllRegister();
-  const auto& formats = geo_formats();
-  const auto info = std::find_if(formats.begin(), formats.end(),
-                                 [format](const auto& f) { return f.format == format; });
-  impl_ = std::make_unique<Impl>(georeference, *info);
-  Impl& m = *impl_;
-  if (info->is_on_earth && !georeference) {
-    throw FileError(std::string(info->word) +
+  if (info.is_on_earth && !georeference) {
+    throw FileError(std::string(info.word) +
                     " stores only latitude and longitude, but the map is not georeferenced (no "
                     "GNSS, no pose.gnss.datum); use gpkg, shp, dxf or csv");
   }
   if (georeference) {
-    const int epsg = info->is_on_earth ? 4326 : geometry::utm_epsg(*georeference);
-    m.require(m.srs.importFromEPSG(epsg) == OGRERR_NONE);
+    const int epsg = info.is_on_earth ? 4326 : geometry::utm_epsg(*georeference);
+    require(srs_.importFromEPSG(epsg) == OGRERR_NONE);
   } else {
-    m.require(m.srs.importFromWkt(kLocalSystem) == OGRERR_NONE);
+    require(srs_.importFromWkt(kLocalSystem) == OGRERR_NONE);
   }
-  m.srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_of(format));
-  m.require(driver != nullptr);
-  m.dataset.reset(driver->Create(m.file.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  m.require(m.dataset != nullptr);
-  if (m.dataset->TestCapability(ODsCTransactions)) {
-    m.require(m.dataset->StartTransaction() == OGRERR_NONE);
-  }
+  srs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_of(info.format));
+  require(driver != nullptr);
+  dataset_.reset(driver->Create(file_.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  require(dataset_ != nullptr);
 }
 
-GeoFile::~GeoFile() = default;
-
-void GeoFile::choose_layer(const std::string& name) { impl_->chosen = name; }
-
-const std::vector<std::string>& GeoFile::left_out() const { return impl_->left_out; }
-
-const std::vector<std::pair<std::string, std::size_t>>& GeoFile::written() const {
-  return impl_->written;
-}
-
-void GeoFile::set_metadata(const char* name, const std::string& value) {
-  Impl& m = *impl_;
-  if (m.info.format != GeoFormat::kGeoPackage) return;
-  m.require(m.dataset->SetMetadataItem(name, value.c_str()) == CE_None);
-}
-
-void GeoFile::begin_layer(const GeoLayer& layer) {
-  Impl& m = *impl_;
-  m.begun = layer;
-  const bool is_drawing = m.info.format == GeoFormat::kDxf;
-  const bool is_chosen =
-      m.chosen.empty() ? !m.info.has_one_layer || m.written.empty() : m.chosen == layer.name;
-  if (!is_chosen) {
-    m.layer = nullptr;
-    m.left_out.push_back(layer.name);
-    return;
-  }
-  m.written.emplace_back(layer.name, 0);
-  if (is_drawing && m.dataset->GetLayerCount() > 0) {  // one for all: a feature names its own
-    m.layer = m.dataset->GetLayer(0);
+void OgrFile::open_layer(const GeoLayer& layer) {
+  begun_ = layer;
+  const bool is_drawing = info_.format == GeoFormat::kDxf;
+  if (is_drawing && dataset_->GetLayerCount() > 0) {  // one for all: a feature names its own
+    layer_ = dataset_->GetLayer(0);
     return;
   }
   const auto has_place = [](const GeoField& field) { return field.name == std::string("x_m"); };
-  m.is_table = m.info.format == GeoFormat::kCsv &&
-               std::any_of(layer.fields.begin(), layer.fields.end(), has_place);
+  is_table_ = info_.format == GeoFormat::kCsv &&
+              std::any_of(layer.fields.begin(), layer.fields.end(), has_place);
   CPLStringList options;
-  if (m.info.format == GeoFormat::kGeoPackage) {
-    options.SetNameValue("DESCRIPTION", layer.description);
-  } else if (m.info.format == GeoFormat::kGeoJson) {
+  if (info_.format == GeoFormat::kGeoJson) {
     options.SetNameValue("RFC7946", "YES");
     options.SetNameValue("COORDINATE_PRECISION", "9");  // a tenth of a millimetre
     options.SetNameValue("DESCRIPTION", layer.description);
-  } else if (m.info.format == GeoFormat::kShapefile) {
+  } else if (info_.format == GeoFormat::kShapefile) {
     options.SetNameValue("ENCODING", "UTF-8");
-  } else if (m.info.format == GeoFormat::kCsv && !m.is_table) {
+  } else if (info_.format == GeoFormat::kCsv && !is_table_) {
     options.SetNameValue("GEOMETRY", "AS_WKT");
   }
-  const auto type = m.is_table                              ? wkbNone
+  const auto type = is_table_                               ? wkbNone
                     : layer.geometry == GeoGeometry::kPoint ? wkbPoint
                     : layer.geometry == GeoGeometry::kArea  ? wkbPolygon
                                                             : wkbLineString;
-  m.layer = m.dataset->CreateLayer(layer.name, is_drawing || m.is_table ? nullptr : &m.srs,
-                                   is_drawing ? wkbUnknown : type, options.List());
-  m.require(m.layer != nullptr);
+  layer_ = dataset_->CreateLayer(layer.name, is_drawing || is_table_ ? nullptr : &srs_,
+                                 is_drawing ? wkbUnknown : type, options.List());
+  require(layer_ != nullptr);
   if (is_drawing) return;  // its fields are fixed by the format
   for (const GeoField& field : layer.fields) {
     OGRFieldDefn definition(field.name, ogr_type(field.type));
-    m.require(m.layer->CreateField(&definition) == OGRERR_NONE);
+    require(layer_->CreateField(&definition) == OGRERR_NONE);
   }
-  if (!layer.qml.empty()) m.styled.push_back(layer);
 }
 
-void GeoFile::Impl::set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const {
+void OgrFile::set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const int field = static_cast<int>(i);
     switch (values[i].kind) {
@@ -264,39 +230,36 @@ void GeoFile::Impl::set_values(const std::vector<GeoValue>& values, OGRFeature& 
 }
 
 /// A drawing has no columns: the class becomes the layer name, the label a text beside it.
-void GeoFile::Impl::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry) {
-  std::string layer_name = begun.name, label;
+void OgrFile::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry) {
+  std::string layer_name = begun_.name, label;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (begun.fields[i].name == std::string("class")) layer_name = values[i].text;
-    if (begun.fields[i].name == std::string("label")) label = values[i].text;
+    if (begun_.fields[i].name == std::string("class")) layer_name = values[i].text;
+    if (begun_.fields[i].name == std::string("label")) label = values[i].text;
   }
-  OGRFeature feature(layer->GetLayerDefn());
+  OGRFeature feature(layer_->GetLayerDefn());
   feature.SetField("Layer", layer_name.c_str());
   feature.SetGeometry(&geometry);
-  require(layer->CreateFeature(&feature) == OGRERR_NONE);
+  require(layer_->CreateFeature(&feature) == OGRERR_NONE);
   if (label.empty() || geometry.getGeometryType() != wkbPoint) return;
   std::replace(label.begin(), label.end(), '"', ' ');
-  OGRFeature text(layer->GetLayerDefn());
+  OGRFeature text(layer_->GetLayerDefn());
   text.SetField("Layer", (layer_name + " labels").c_str());
   text.SetGeometry(&geometry);
   text.SetStyleString(("LABEL(f:\"Arial\",s:0.3g,t:\"" + label + "\")").c_str());
-  require(layer->CreateFeature(&text) == OGRERR_NONE);
+  require(layer_->CreateFeature(&text) == OGRERR_NONE);
 }
 
-void GeoFile::add(const std::vector<GeoValue>& values,
-                  const std::vector<Eigen::Vector2d>& points_map) {
-  Impl& m = *impl_;
-  if (m.layer == nullptr) return;
-  ++m.written.back().second;
+void OgrFile::write_feature(const std::vector<GeoValue>& values,
+                            const std::vector<Eigen::Vector2d>& points_map) {
   OGRLineString line;
   for (const Eigen::Vector2d& p : points_map) {
-    const OGRPoint point = m.point(p);
+    const OGRPoint point = point_of(p);
     line.addPoint(&point);
   }
   OGRPoint point;
   if (points_map.size() == 1) line.getPoint(0, &point);
   OGRPolygon area;
-  if (m.begun.geometry == GeoGeometry::kArea) {
+  if (begun_.geometry == GeoGeometry::kArea) {
     OGRLinearRing border;
     border.addSubLineString(&line);
     border.closeRings();
@@ -305,57 +268,32 @@ void GeoFile::add(const std::vector<GeoValue>& values,
   const OGRGeometry& geometry = points_map.size() == 1 ? static_cast<const OGRGeometry&>(point)
                                 : area.IsEmpty()       ? static_cast<const OGRGeometry&>(line)
                                                        : area;
-  if (m.info.format == GeoFormat::kDxf) {
-    m.add_drawing(values, geometry);
+  if (info_.format == GeoFormat::kDxf) {
+    add_drawing(values, geometry);
     return;
   }
-  OGRFeature feature(m.layer->GetLayerDefn());
-  m.set_values(values, feature);
-  if (!m.is_table) feature.SetGeometry(&geometry);
-  m.require(m.layer->CreateFeature(&feature) == OGRERR_NONE);
+  OGRFeature feature(layer_->GetLayerDefn());
+  set_values(values, feature);
+  if (!is_table_) feature.SetGeometry(&geometry);
+  require(layer_->CreateFeature(&feature) == OGRERR_NONE);
 }
 
-/// Writes the table in which QGIS keeps styles inside a GeoPackage; QGIS applies the default one.
-void GeoFile::Impl::write_styles() {
-  if (styled.empty() || info.format != GeoFormat::kGeoPackage) return;
-  OGRLayer* table = dataset->CreateLayer("layer_styles", nullptr, wkbNone, nullptr);
-  require(table != nullptr);
-  for (const char* name : {"f_table_catalog", "f_table_schema", "f_table_name", "f_geometry_column",
-                           "styleName", "styleQML", "styleSLD", "description", "owner", "ui"}) {
-    OGRFieldDefn definition(name, OFTString);
-    require(table->CreateField(&definition) == OGRERR_NONE);
-  }
-  OGRFieldDefn is_default("useAsDefault", OFTInteger);
-  is_default.SetSubType(OFSTBoolean);
-  OGRFieldDefn changed("update_time", OFTDateTime);
-  require(table->CreateField(&is_default) == OGRERR_NONE &&
-          table->CreateField(&changed) == OGRERR_NONE);
-  for (const GeoLayer& of : styled) {
-    OGRFeature row(table->GetLayerDefn());
-    for (const char* name : {"f_table_catalog", "f_table_schema", "styleSLD", "owner", "ui"}) {
-      row.SetField(name, "");
-    }
-    row.SetField("f_table_name", of.name);
-    row.SetField("f_geometry_column", "geom");
-    row.SetField("styleName", of.name);
-    row.SetField("styleQML", of.qml.c_str());
-    row.SetField("description", of.description);
-    row.SetField("useAsDefault", 1);
-    row.SetField("update_time", 2000, 1, 1, 0, 0, 0.0F, 100);
-    require(table->CreateFeature(&row) == OGRERR_NONE);
-  }
-}
-
-std::string GeoFile::finish() {
-  Impl& m = *impl_;
-  m.write_styles();
-  if (m.dataset->TestCapability(ODsCTransactions)) {
-    m.require(m.dataset->CommitTransaction() == OGRERR_NONE);
-  }
-  m.dataset.reset();
-  std::string bytes = m.file.bytes();
-  m.require(!bytes.empty());
+std::string OgrFile::finish() {
+  dataset_.reset();
+  std::string bytes = file_.bytes();
+  require(!bytes.empty());
   return bytes;
+}
+
+}  // namespace
+
+std::unique_ptr<LayerFile> geo_file(const std::optional<geometry::Georeference>& georeference,
+                                    GeoFormat format) {
+  if (format == GeoFormat::kGeoPackage) return std::make_unique<GeoPackage>(georeference);
+  const auto& formats = geo_formats();
+  return std::make_unique<OgrFile>(
+      georeference, *std::find_if(formats.begin(), formats.end(),
+                                  [format](const auto& f) { return f.format == format; }));
 }
 
 }  // namespace orchard::io

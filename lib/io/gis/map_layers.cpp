@@ -6,6 +6,7 @@
 
 #include "detection/label_text.hpp"
 #include "geometry/angles.hpp"
+#include "io/gis/geopackage.hpp"
 #include "io/gis/qgis_style.hpp"
 #include "mapping/extent/outline.hpp"
 
@@ -43,7 +44,7 @@ std::string note_of(const MapLayers& map, std::int32_t id) {
   return text;
 }
 
-void write_landmarks(const MapLayers& map, GeoFile& file) {
+void write_landmarks(const MapLayers& map, LayerFile& file) {
   const std::optional<geometry::Georeference>& georeference = *map.georeference;
   GeoLayer layer{"landmarks",
                  GeoGeometry::kPoint,
@@ -105,7 +106,7 @@ void write_landmarks(const MapLayers& map, GeoFile& file) {
 }
 
 /// Writes areas for landmarks with an extent: bushes, posts, hedges, walls.
-void write_extents(const MapLayers& map, GeoFile& file) {
+void write_extents(const MapLayers& map, LayerFile& file) {
   QgisStyle style;
   style.is_area = true;
   style.symbols = {{"", "object", "solid", kRed, 0.2}};
@@ -127,7 +128,7 @@ void write_extents(const MapLayers& map, GeoFile& file) {
   }
 }
 
-void write_paths(const MapLayers& map, GeoFile& file) {
+void write_paths(const MapLayers& map, LayerFile& file) {
   QgisStyle style;
   style.is_line = true;
   style.symbols = {{"", "path", "solid", kGrey, 0.25}};
@@ -145,7 +146,7 @@ void write_paths(const MapLayers& map, GeoFile& file) {
   }
 }
 
-void write_rows(const MapLayers& map, GeoFile& file) {
+void write_rows(const MapLayers& map, LayerFile& file) {
   QgisStyle style;
   style.is_line = true;
   style.symbols = {{"", "row", "dash", kBrown, 0.35}};
@@ -194,7 +195,7 @@ void write_rows(const MapLayers& map, GeoFile& file) {
   }
 }
 
-void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
+void write_graph(const mapping::NavigationGraph& graph, LayerFile& file) {
   for (const auto kind : {mapping::EdgeKind::kAlley, mapping::EdgeKind::kHeadland}) {
     const bool is_alley = kind == mapping::EdgeKind::kAlley;
     QgisStyle style;
@@ -236,7 +237,7 @@ void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
 
 }  // namespace
 
-void write_map_layers(const MapLayers& layers, GeoFile& file) {
+void write_map_layers(const MapLayers& layers, LayerFile& file) {
   if (layers.num_corrections > 0) {
     file.set_metadata(kCorrectionsMetadata, std::to_string(layers.num_corrections));
   }
@@ -248,7 +249,7 @@ void write_map_layers(const MapLayers& layers, GeoFile& file) {
 }
 
 std::string map_geopackage(const MapLayers& layers) {
-  GeoFile file(*layers.georeference);
+  GeoPackage file(*layers.georeference);
   write_map_layers(layers, file);
   return file.finish();
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/georeference.hpp"
-#include "io/gis/geo_file.hpp"
+#include "io/gis/geo_layer.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
@@ -36,9 +36,9 @@ struct MapLayers {
 inline constexpr char kCorrectionsMetadata[] = "ORCHARD_CORRECTIONS";
 
 /// Writes all layers, each with its description and its QGIS style.
-void write_map_layers(const MapLayers& layers, GeoFile& file);
+void write_map_layers(const MapLayers& layers, LayerFile& file);
 
-/// Returns the map as a GeoPackage. Equal content gives equal bytes. Throws FileError when GDAL
+/// Returns the map as a GeoPackage. Equal content gives equal bytes. Throws FileError when SQLite
 /// fails.
 std::string map_geopackage(const MapLayers& layers);
 

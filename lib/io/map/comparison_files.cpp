@@ -9,7 +9,7 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/folder.hpp"
-#include "io/gis/geo_file.hpp"
+#include "io/gis/geopackage.hpp"
 #include "io/gis/qgis_style.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/rounded.hpp"
@@ -42,7 +42,7 @@ const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
 }
 
 std::string comparison_geopackage(const ComparisonContent& content) {
-  GeoFile file(content.georeference);
+  GeoPackage file(content.georeference);
   std::vector<GeoField> fields{{"change", GeoType::kText},
                                {"confidence", GeoType::kReal},
                                {"id_a", GeoType::kInteger},

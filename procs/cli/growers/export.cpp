@@ -10,6 +10,7 @@
 #include "cli/parent_folder.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/gis/geo_file.hpp"
 #include "io/gis/map_layers.hpp"
 #include "io/map/corrected_map.hpp"
 
@@ -43,7 +44,7 @@ void require_place(const ExportOptions& options, const io::GeoFormatInfo& format
 }
 
 void print_words(const ExportOptions& options, const io::GeoFormatInfo& format,
-                 const io::GeoFile& file, const io::CorrectedMapFolder& map) {
+                 const io::LayerFile& file, const io::CorrectedMapFolder& map) {
   std::string layers, left_out;
   for (const auto& [name, num] : file.written()) {
     layers += (layers.empty() ? "" : ", ") + std::to_string(num) + " in " + name;
@@ -63,7 +64,7 @@ void print_words(const ExportOptions& options, const io::GeoFormatInfo& format,
 }
 
 void print_json(const ExportOptions& options, const io::GeoFormatInfo& format,
-                const io::GeoFile& file, const io::CorrectedMapFolder& map) {
+                const io::LayerFile& file, const io::CorrectedMapFolder& map) {
   nlohmann::ordered_json json{
       {"file", options.out_path},
       {"format", format.word},
@@ -93,11 +94,11 @@ int run_export(const ExportOptions& options) {
   layers.row_names = map.corrected.row_names;
   layers.notes = map.corrected.notes;
   layers.num_corrections = static_cast<int>(map.corrections.size());
-  io::GeoFile file(map.mapped.georeference, format.format);
-  if (!options.layer.empty()) file.choose_layer(options.layer);
-  io::write_map_layers(layers, file);
+  const std::unique_ptr<io::LayerFile> file = io::geo_file(map.mapped.georeference, format.format);
+  if (!options.layer.empty()) file->choose_layer(options.layer);
+  io::write_map_layers(layers, *file);
   make_parent_folder(options.out_path);
-  io::write_file_atomically(options.out_path, file.finish());
+  io::write_file_atomically(options.out_path, file->finish());
   const int num_conflicts = map.corrected.count(mapping::CorrectionOutcome::kConflict);
   if (num_conflicts > 0) {
     std::fprintf(stderr,
@@ -105,7 +106,7 @@ int run_export(const ExportOptions& options) {
                  "applied; list them with `orchard edit %s check`\n",
                  num_conflicts, options.map_path.c_str());
   }
-  (options.json ? print_json : print_words)(options, format, file, map);
+  (options.json ? print_json : print_words)(options, format, *file, map);
   return bus::kExitOk;
 }
 

@@ -108,11 +108,17 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
   EXPECT_THROW(parse_map_csv("id,x\n1,2\n", "map.csv"), FileError);
 }
 
+/// A GeoPackage as GDAL reads it, which has not written it.
+std::unique_ptr<GDALDataset> opened(const std::string& path) {
+  GDALAllRegister();
+  return std::unique_ptr<GDALDataset>(
+      GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+}
+
 TEST(MapGeopackage, OpensWithBothLayers) {
   const TestFolder folder;
   write_map_folder(folder.path(), make_content(20));
-  const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  const auto dataset = opened(folder / "map.gpkg");
   ASSERT_NE(dataset, nullptr);
   OGRLayer* landmarks = dataset->GetLayerByName("landmarks");
   ASSERT_NE(landmarks, nullptr);
@@ -137,8 +143,7 @@ TEST(MapGeopackage, AHedgeIsAnAreaAsLongAndAsWideAsItIs) {
   hedge.length_m = 12.8;
   hedge.direction_rad = 0.5;
   write_map_folder(folder.path(), content);
-  const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  const auto dataset = opened(folder / "map.gpkg");
   ASSERT_NE(dataset, nullptr);
   OGRLayer* extents = dataset->GetLayerByName("extents");
   ASSERT_NE(extents, nullptr);
@@ -167,8 +172,7 @@ TEST(MapGeopackage, AHedgeIsAnAreaAsLongAndAsWideAsItIs) {
 TEST(MapGeopackage, HasTheTrunksMeasuresAndAStyleForEachLayer) {
   const TestFolder folder;
   write_map_folder(folder.path(), make_content(20));
-  const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  const auto dataset = opened(folder / "map.gpkg");
   ASSERT_NE(dataset, nullptr);
   OGRLayer* landmarks = dataset->GetLayerByName("landmarks");
   const std::unique_ptr<OGRFeature> tree(landmarks->GetFeature(2));

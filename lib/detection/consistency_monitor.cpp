@@ -13,7 +13,7 @@ namespace orchard::detection {
 namespace {
 
 /// Message time between two comparisons [s]: edges are costly.
-constexpr double kPeriod_s = 0.5;
+constexpr double kPeriod_s = 1.0;
 
 /// Window of the running median in message time [s]; longer than a single object stays in view.
 constexpr double kDisagreementWindow_s = 20.0;

@@ -206,7 +206,7 @@ std::shared_ptr<GroundOccupancy> Mapper::ground() const {
   auto ground = std::make_shared<GroundOccupancy>(
       [&scans](std::int32_t scan) { return scans.free_space(scan); });
   for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
-    ground->add_scan(scan, scans.pose(scan));
+    ground->add_scan(scan, scans.pose(scan), scans.has_free_space(scan));
   }
   return ground;
 }

@@ -46,12 +46,23 @@ class FieldReader {
   template <class T>
   void array(const char* name, std::vector<T>& values, const char* count) {
     if (!size_for(values, count, sizeof(T))) return;
-    for (T& value : values) get(name, value);
+    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+      const std::uint8_t* next = data_ + position_;  // size_for() has found all bytes there
+      for (T& value : values) {
+        const auto bits = bits_at<T>(next);
+        std::memcpy(&value, &bits, sizeof(T));
+        next += sizeof(T);
+      }
+      position_ += values.size() * sizeof(T);
+    } else {
+      for (T& value : values) get(name, value);
+    }
   }
   void array(const char*, std::vector<std::uint8_t>& values, const char* count) {
-    if (!size_for(values, count, 1)) return;
-    std::copy_n(data_ + position_, values.size(), values.begin());
-    position_ += values.size();
+    const std::optional<std::size_t> size = count_of(count, 1);
+    if (!size) return;
+    values.assign(data_ + position_, data_ + position_ + *size);
+    position_ += *size;
   }
   template <class T, class Lo, class Hi>
   void array(const char* name, std::vector<T>& values, const char* count, Lo, Hi) {
@@ -96,6 +107,16 @@ class FieldReader {
   }
 
  private:
+  /// The big-endian number at an address.
+  template <class T>
+  static WireBits<sizeof(T)> bits_at(const std::uint8_t* at) {
+    WireBits<sizeof(T)> bits = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      bits = static_cast<WireBits<sizeof(T)>>(static_cast<std::uint64_t>(bits) << 8 | at[i]);
+    }
+    return bits;
+  }
+
   void refuse(Reason reason, std::string detail) {
     if (!rejection_) rejection_ = Rejection{reason, std::move(detail)};
   }
@@ -106,11 +127,7 @@ class FieldReader {
     if (size_ - position_ < sizeof(T)) {
       return refuse(Reason::kTooShort, std::string("ends before ") + name);
     }
-    WireBits<sizeof(T)> bits = 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i) {
-      bits = static_cast<WireBits<sizeof(T)>>(static_cast<std::uint64_t>(bits) << 8 |
-                                              data_[position_ + i]);
-    }
+    const auto bits = bits_at<T>(data_ + position_);
     position_ += sizeof(T);
     if constexpr (std::is_same_v<T, bool>) {
       if (bits > 1) {
@@ -127,24 +144,27 @@ class FieldReader {
     for (T& value : values) get(name, value);
   }
 
-  /// Resizes an array to its count if the remaining bytes can hold that many elements.
-  template <class T>
-  bool size_for(std::vector<T>& values, const char* count_name, std::size_t element_bytes) {
-    if (rejection_) return false;
+  /// Number of elements of an array, if the remaining bytes can hold that many.
+  std::optional<std::size_t> count_of(const char* count_name, std::size_t element_bytes) {
+    if (rejection_) return std::nullopt;
     // Use the latest count of that name: array items may have counts of their own.
     for (auto entry = counts_.rbegin(); entry != counts_.rend(); ++entry) {
       const auto& [name, count] = *entry;
       if (std::strcmp(name, count_name) != 0) continue;
-      if (count > (size_ - position_) / element_bytes) {
-        refuse(Reason::kBadCount,
-               std::string(name) + " = " + std::to_string(static_cast<std::int32_t>(count)));
-        return false;
-      }
-      values.resize(count);
-      return true;
+      if (count <= (size_ - position_) / element_bytes) return count;
+      refuse(Reason::kBadCount,
+             std::string(name) + " = " + std::to_string(static_cast<std::int32_t>(count)));
+      return std::nullopt;
     }
     refuse(Reason::kUndecodable, std::string("no field ") + count_name);
-    return false;
+    return std::nullopt;
+  }
+  /// Resizes an array to its count if the remaining bytes can hold that many elements.
+  template <class T>
+  bool size_for(std::vector<T>& values, const char* count_name, std::size_t element_bytes) {
+    const std::optional<std::size_t> count = count_of(count_name, element_bytes);
+    if (count) values.resize(*count);
+    return count.has_value();
   }
 
   const std::uint8_t* data_;

@@ -75,9 +75,11 @@ class FieldWriter {
   void put(T value) {
     WireBits<sizeof(T)> bits;
     std::memcpy(&bits, &value, sizeof(T));
-    for (std::size_t i = sizeof(T); i-- > 0;) {
-      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i) & 0xFF));
+    std::array<std::uint8_t, sizeof(T)> big_endian;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      big_endian[i] = static_cast<std::uint8_t>(bits >> (8 * (sizeof(T) - 1 - i)) & 0xFF);
     }
+    bytes_.insert(bytes_.end(), big_endian.begin(), big_endian.end());
   }
   template <class T, std::size_t N>
   void put(const std::array<T, N>& values) {

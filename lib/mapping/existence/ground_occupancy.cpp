@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -26,7 +27,8 @@ constexpr double kFirstRing_m = 2.0;
 
 }  // namespace
 
-void GroundOccupancy::add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base) {
+void GroundOccupancy::add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base,
+                               bool has_beams) {
   const Eigen::Vector3d pose(T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad);
   if (!scans_.empty()) {
     const Eigen::Vector3d& last = scans_.back().x_y_yaw;
@@ -36,7 +38,7 @@ void GroundOccupancy::add_scan(std::int32_t scan, const pose::PoseEstimate& T_ma
     }
   }
   grid_.insert(static_cast<std::int32_t>(scans_.size()), pose.x(), pose.y());
-  scans_.push_back({scan, pose});
+  scans_.push_back({scan, pose, has_beams});
 }
 
 const FreeSpace* GroundOccupancy::free_space(std::int32_t number) {
@@ -52,23 +54,28 @@ bool GroundOccupancy::Votes::is_passable() const {
 
 /// Calls visit(scan, squared distance) for stored scans within reach of the position, nearest
 /// first, until it returns false. A few of the hundreds within reach decide, so they are looked for
-/// in rings.
+/// in rings, and a ring is a heap from which only those are taken.
 template <class Visit>
 void GroundOccupancy::visit_near(const Eigen::Vector2d& p_map, const Visit& visit) {
   double inner_m = -1.0;
+  std::vector<std::pair<double, std::int32_t>> ring;  // squared distance and scan
   for (double outer_m = kFirstRing_m; inner_m < kBeamReach_m; outer_m *= 2.0) {
     outer_m = std::min(outer_m, kBeamReach_m);
-    std::vector<std::pair<double, std::int32_t>> ring;
+    ring.clear();
     grid_.near(p_map.x(), p_map.y(), outer_m, [&](std::int32_t i) {
-      const double square =
-          (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
+      const Scan& scan = scans_[static_cast<std::size_t>(i)];
+      const double square = (scan.x_y_yaw.head<2>() - p_map).squaredNorm();
+      if (!scan.has_beams && square > kDriven_m * kDriven_m) return;
       const bool is_in_ring =
           square <= outer_m * outer_m && (inner_m < 0.0 || square > inner_m * inner_m);
       if (is_in_ring) ring.emplace_back(square, i);
     });
-    std::sort(ring.begin(), ring.end());
-    for (const auto& [square, i] : ring) {
+    std::make_heap(ring.begin(), ring.end(), std::greater<>());
+    while (!ring.empty()) {
+      const auto [square, i] = ring.front();
       if (!visit(scans_[static_cast<std::size_t>(i)], square)) return;
+      std::pop_heap(ring.begin(), ring.end(), std::greater<>());
+      ring.pop_back();
     }
     inner_m = outer_m;
   }

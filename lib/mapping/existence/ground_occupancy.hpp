@@ -30,8 +30,9 @@ class GroundOccupancy {
 
   explicit GroundOccupancy(FreeSpaceOf free_space_of) : free_space_of_(std::move(free_space_of)) {}
 
-  /// Adds a scan. Skipped if the robot has hardly moved since the last one.
-  void add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base);
+  /// Adds a scan, skipped if the robot has hardly moved since the last one. `has_beams`: whether it
+  /// has free-space evidence, not only a place that was driven over.
+  void add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base, bool has_beams = true);
 
   /// Whether a position in map, 0.2 m wide, was observed free or was driven over.
   bool is_free(const Eigen::Vector2d& p_map);
@@ -59,6 +60,7 @@ class GroundOccupancy {
   struct Scan {
     std::int32_t number = 0;
     Eigen::Vector3d x_y_yaw{0, 0, 0};  ///< T_map_base
+    bool has_beams = false;
   };
   template <class Visit>
   void visit_near(const Eigen::Vector2d& p_map, const Visit& visit);

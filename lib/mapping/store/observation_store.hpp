@@ -42,6 +42,7 @@ class ObservationStore {
 
   /// Free-space evidence of a scan; null if none was given.
   std::shared_ptr<const FreeSpace> free_space(std::int32_t scan) const;
+  bool has_free_space(std::int32_t scan) const { return at(scan).free_space >= 0; }
 
   /// Index of the first observation of a scan; its observations end before first_of(scan + 1).
   std::int32_t first_of(std::int32_t scan) const {

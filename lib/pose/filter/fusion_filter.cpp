@@ -106,10 +106,11 @@ void FusionFilter::move(const MotionStep& step) {
   }
   Vector heading_by = 0.5 * turn_by;
   heading_by(kYaw) += 1.0;
-  Matrix F = Matrix::Identity();
-  F.topRows<2>() +=
+  // The step adds to the three rows of the pose alone: F = diag(kept) (I + pose_by in those rows).
+  Eigen::Matrix<double, 3, kSize> pose_by;
+  pose_by.topRows<2>() =
       chord * along * length_by.transpose() + length_m * chord * across * heading_by.transpose();
-  F.row(kYaw) += turn_by.transpose();
+  pose_by.row(kYaw) = turn_by.transpose();
 
   // Time-correlated errors are Ornstein-Uhlenbeck processes: a decay here, new noise below.
   const double slip_kept = std::exp(-std::abs(wheels_m) / changes_.slip_travel_m);
@@ -120,7 +121,6 @@ void FusionFilter::move(const MotionStep& step) {
   kept(kTurnSlip) = turn_slip_kept;
   kept(kReceiverEast) = kept(kReceiverNorth) = receiver_kept;
   mean_ = kept.cwiseProduct(mean_);
-  F = kept.asDiagonal() * F;
 
   Eigen::Matrix<double, kSize, 2> G = Eigen::Matrix<double, kSize, 2>::Zero();
   G.block<2, 1>(0, 0) = chord * along;
@@ -129,7 +129,10 @@ void FusionFilter::move(const MotionStep& step) {
   const double noise_s2 = (config_.learns_wheels ? kNoiseTime_s : duration_s) * duration_s;
   const Eigen::Vector2d noise(geometry::square(step.speed_sd_mps) * noise_s2,
                               geometry::square(step.yaw_rate_sd_radps) * noise_s2);
-  covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
+  covariance_.topRows<3>() += (pose_by * covariance_).eval();
+  covariance_.leftCols<3>() += (covariance_ * pose_by.transpose()).eval();
+  covariance_ = kept.asDiagonal() * covariance_ * kept.asDiagonal();
+  covariance_ += G * noise.asDiagonal() * G.transpose();
   const double walk =
       config_.learns_wheels ? geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m) : 0.0;
   covariance_(kScale, kScale) += walk;

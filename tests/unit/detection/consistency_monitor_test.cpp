@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kFocal_px = 229.183;  // 4 px per degree
 
-/// Looks at three objects every half second for some seconds; every fifth is an outlier.
+/// Looks at three objects every second for some seconds; every fifth is an outlier.
 void watch(ConsistencyMonitor& monitor, std::int64_t& utime, double seconds, double offset_px) {
   std::mt19937 random(7);
-  for (int i = 0; i < static_cast<int>(2 * seconds); ++i) {
-    utime += 500'000;
+  for (int i = 0; i < static_cast<int>(seconds); ++i) {
+    utime += 1'000'000;
     std::vector<double> offsets_px;
     for (int k = 0; k < 3; ++k) {
       const double noise_px = static_cast<double>(random() % 201) * 0.01 - 1.0;

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One drive between two hosts: the sensors on one, detector, pose and mapper on the other."""
+import hashlib
 import os
 import shutil
 import time
@@ -15,7 +16,13 @@ class Drive:
 
     def __init__(self, bench, config, seed, seconds=0.0):
         self.config, self.seed = os.path.abspath(config), seed
-        name = f"drive-{os.path.basename(config).split('.')[0]}-{seed}-{seconds:g}"
+        # What the log and its map are made by is in the name: a map of other programs is no reference.
+        made_by = hashlib.sha256()
+        for path in (self.config, os.path.join(bench.build, "bin", "orchard")):
+            with open(path, "rb") as file:
+                made_by.update(file.read())
+        name = (f"drive-{os.path.basename(config).split('.')[0]}-{seed}-{seconds:g}-"
+                f"{made_by.hexdigest()[:12]}")
         self.folder = os.path.join(os.path.dirname(bench.work), "drives", name)
         os.makedirs(os.path.dirname(self.folder), exist_ok=True)
         self.log = self.folder + ".lcm"

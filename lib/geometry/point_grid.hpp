@@ -46,11 +46,6 @@ class PointGrid {
   /// The same, in ascending order of index.
   std::vector<std::int32_t> near(const Eigen::Vector2d& p, double radius_m) const;
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(slots_, next_, num_used_);
-  }
-
   std::size_t num_bytes() const {
     return slots_.capacity() * sizeof(Slot) + next_.capacity() * sizeof(std::int32_t);
   }

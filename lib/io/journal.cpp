@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -19,7 +20,7 @@ namespace orchard::io {
 namespace {
 
 constexpr char kJournalMagic[] = "ORCHJRNL";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kJournalHeaderBytes = 24;
 constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
 constexpr std::size_t kBlockHeaderBytes = 16;
@@ -27,6 +28,8 @@ constexpr std::size_t kRecordHeaderBytes = 5;
 /// Size at which a block is closed; a single record may be as large as the largest message.
 constexpr std::size_t kBlockMax = std::size_t{1} << 20;
 constexpr std::size_t kBlockReadMax = std::size_t{32} << 20;
+/// Fast, also on the pictures of an album, which cannot be compressed further.
+constexpr int kCompressionLevel = 1;
 /// Max number of blocks waiting while the disk cannot be written: 64 MB, about a quarter of an
 /// hour.
 constexpr std::size_t kWaitingMax = 64;
@@ -36,6 +39,19 @@ void put(std::string& to, Unsigned value) {
   for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
     to.push_back(static_cast<char>(static_cast<std::uint8_t>(value >> (8 * i))));
   }
+}
+
+void put_record(std::string& to, std::uint8_t kind, std::string_view bytes) {
+  put(to, kind);
+  put(to, static_cast<std::uint32_t>(bytes.size()));
+  to.append(bytes);
+}
+
+std::string gap_of(std::uint32_t num_dropped) {
+  std::string number, record;
+  put(number, num_dropped);
+  put_record(record, Journal::kGapKind, number);
+  return record;
 }
 
 std::uint32_t get32(const char* bytes) {
@@ -86,10 +102,13 @@ bool hand_over(std::string_view records, JournalReading& reading,
     if (records.size() < kRecordHeaderBytes) return false;
     const std::uint32_t size = get32(records.data() + 1);
     if (size > records.size() - kRecordHeaderBytes) return false;
-    ++reading.num_records;
-    if (on_record) {
-      on_record(static_cast<std::uint8_t>(records.front()),
-                records.substr(kRecordHeaderBytes, size));
+    const auto kind = static_cast<std::uint8_t>(records.front());
+    if (kind == Journal::kGapKind) {
+      if (size != sizeof(std::uint32_t)) return false;
+      reading.num_missing += get32(records.data() + kRecordHeaderBytes);
+    } else {
+      ++reading.num_records;
+      if (on_record) on_record(kind, records.substr(kRecordHeaderBytes, size));
     }
     records.remove_prefix(kRecordHeaderBytes + size);
   }
@@ -100,11 +119,9 @@ bool hand_over(std::string_view records, JournalReading& reading,
 bool use_block(const std::string& header, const std::string& stored, JournalReading& reading,
                const JournalRecordHook& on_record) {
   if (crc_of(stored) != get32(header.data() + 12)) return false;
-  uLongf size = get32(header.data() + 4);
-  std::string records(size, '\0');
-  if (::uncompress(reinterpret_cast<Bytef*>(records.data()), &size,
-                   reinterpret_cast<const Bytef*>(stored.data()), stored.size()) != Z_OK ||
-      size != records.size()) {
+  std::string records(get32(header.data() + 4), '\0');
+  if (ZSTD_decompress(records.data(), records.size(), stored.data(), stored.size()) !=
+      records.size()) {
     return false;
   }
   return hand_over(records, reading, on_record);
@@ -123,7 +140,7 @@ bool is_zero_to_the_end(std::istream& file, std::uint64_t offset) {
 }  // namespace
 
 JournalReading read_journal(const std::string& path, std::int64_t identity,
-                            const JournalRecordHook& on_record, std::uint64_t from_bytes) {
+                            const JournalRecordHook& on_record) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return {};
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -136,10 +153,6 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
   std::string header(kJournalHeaderBytes, '\0');
   file.read(header.data(), kJournalHeaderBytes);
   JournalReading reading = judge_header(header, identity);
-  if (reading.state == JournalReading::State::kWhole && from_bytes > kJournalHeaderBytes) {
-    reading.num_good_bytes = std::min(from_bytes, file_size);
-    file.seekg(static_cast<std::streamoff>(reading.num_good_bytes));
-  }
   std::string block_header(kBlockHeaderBytes, '\0'), stored;
   while (reading.state == JournalReading::State::kWhole && reading.num_good_bytes < file_size) {
     const std::uint64_t offset = reading.num_good_bytes;
@@ -201,33 +214,22 @@ void Journal::write_header() {
   size_ = header.size();
 }
 
-void Journal::begin_anew(std::int64_t identity) {
-  identity_ = identity;
-  size_ = 0;
-  waiting_.clear();
-  write_header();
-}
-
 void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
   if (waiting_.empty() || waiting_.back().records.size() > kBlockMax) waiting_.emplace_back();
   if (waiting_.size() > kWaitingMax) {
     num_dropped_ += waiting_.front().count;
     waiting_.erase(waiting_.begin());
   }
-  std::string& records = waiting_.back().records;
-  records.push_back(static_cast<char>(kind));
-  put(records, static_cast<std::uint32_t>(size));
-  records.append(static_cast<const char*>(bytes), size);
+  put_record(waiting_.back().records, kind, {static_cast<const char*>(bytes), size});
   ++waiting_.back().count;
 }
 
 void Journal::write_block(const std::string& records) {
-  uLongf size = ::compressBound(records.size());
-  std::string block(kBlockHeaderBytes + size, '\0');
-  if (::compress2(reinterpret_cast<Bytef*>(block.data() + kBlockHeaderBytes), &size,
-                  reinterpret_cast<const Bytef*>(records.data()), records.size(), 1) != Z_OK) {
-    throw FileError(path_ + ": cannot be compressed");
-  }
+  std::string block(kBlockHeaderBytes + ZSTD_compressBound(records.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(block.data() + kBlockHeaderBytes, block.size() - kBlockHeaderBytes,
+                    records.data(), records.size(), kCompressionLevel);
+  if (ZSTD_isError(size) != 0) throw FileError(path_ + ": cannot be compressed");
   block.resize(kBlockHeaderBytes + size);
   std::string header;
   put(header, kBlockMark);
@@ -248,7 +250,9 @@ void Journal::commit() {
   if (waiting_.empty()) return;
   if (size_ == 0) write_header();  // the disk was full at the start
   while (!waiting_.empty()) {
-    write_block(waiting_.front().records);
+    write_block(num_dropped_ > 0 ? gap_of(num_dropped_) + waiting_.front().records
+                                 : waiting_.front().records);
+    num_dropped_ = 0;
     waiting_.erase(waiting_.begin());
   }
   if (::fdatasync(fd_) != 0) {

@@ -22,25 +22,26 @@ struct JournalReading {
   std::int64_t num_records = 0;
   std::uint64_t num_good_bytes = 0;  ///< up to the end of the last whole block
   std::uint64_t num_torn_bytes = 0;  ///< bytes after that
+  std::int64_t num_missing = 0;      ///< records that a full disk kept from being written
   std::string reason;                ///< for kDamaged: one clause for the user
 };
 
 /// Receives one record of a journal: its kind and its bytes, which are valid only during the call.
 using JournalRecordHook = std::function<void(std::uint8_t kind, std::string_view bytes)>;
 
-/// Reads a journal with the given identity from its start, or from `from_bytes` on (a value of
-/// Journal::num_bytes()). Holds at most one block in memory. Records are passed on before a later
-/// block turns out to be damaged: for all or nothing, first read once without a hook. Throws
-/// FileError when the file exists but cannot be read.
+/// Reads a journal with the given identity. Holds at most one block in memory. Records are passed
+/// on before a later block turns out to be damaged. Throws FileError when the file exists but
+/// cannot be read.
 JournalReading read_journal(const std::string& path, std::int64_t identity,
-                            const JournalRecordHook& on_record = {}, std::uint64_t from_bytes = 0);
+                            const JournalRecordHook& on_record = {});
 
 /// An append-only file of records, written in compressed blocks with a checksum each. Committed
 /// records survive the process; an incomplete block is ignored when reading.
 ///
 /// Layout, little-endian. Header: "ORCHJRNL", version u32, identity i64, CRC-32 of these. Block:
-/// mark u32, inflated size u32, stored size u32, CRC-32 of the stored bytes u32, zlib deflate
-/// stream of records. Record: kind u8, size u32, bytes.
+/// mark u32, inflated size u32, stored size u32, CRC-32 of the stored bytes u32, a Zstandard
+/// frame of records. Record: kind u8, size u32, bytes. Records of kind kGapKind are the journal's
+/// own: the number u32 of records dropped in their place.
 class Journal {
  public:
   /// Continues after the first `num_good_bytes` of the file at `path`, as given by read_journal();
@@ -50,21 +51,15 @@ class Journal {
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
+  static constexpr std::uint8_t kGapKind = 254;
+
   /// Adds a record to the next commit(). If the file cannot be written for long, the oldest waiting
-  /// records are dropped.
+  /// records are dropped, which the file then says.
   void add(std::uint8_t kind, const void* bytes, std::size_t size);
 
   /// Writes and syncs the waiting records. Throws FileError (full disk); then they still wait, and
   /// the file ends with its last complete block.
   void commit();
-
-  /// Drops all records, including the waiting ones, and starts a new journal with that identity.
-  void begin_anew(std::int64_t identity);
-
-  /// Size of the file.
-  std::uint64_t num_bytes() const { return size_; }
-
-  std::int64_t num_dropped() const { return num_dropped_; }
 
  private:
   void write_header();
@@ -72,14 +67,14 @@ class Journal {
 
   struct Waiting {
     std::string records;
-    std::int64_t count = 0;
+    std::uint32_t count = 0;
   };
   std::string path_;
   std::int64_t identity_;
   int fd_ = -1;
   std::uint64_t size_ = 0;
-  std::vector<Waiting> waiting_;  ///< oldest first; records are added to the last one
-  std::int64_t num_dropped_ = 0;
+  std::vector<Waiting> waiting_;   ///< oldest first; records are added to the last one
+  std::uint32_t num_dropped_ = 0;  ///< since the last block was written
 };
 
 }  // namespace orchard::io

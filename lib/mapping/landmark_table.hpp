@@ -52,11 +52,6 @@ class LandmarkTable {
   std::size_t num_alive() const { return num_alive_; }
   std::size_t num_bytes() const;
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(records_, grid_, num_alive_);
-  }
-
  private:
   std::vector<LandmarkRecord> records_;
   geometry::PointGrid grid_;

@@ -277,11 +277,6 @@ std::optional<double> Mapper::tree_scatter_m() const {
 
 LabelConflicts Mapper::label_conflicts() const { return count_label_conflicts(impl_->map); }
 
-void Mapper::persist(StateArchive& archive) {
-  MapState& map = impl_->map;
-  archive(impl_->existence, map.landmarks, map.observations, map.modes);
-}
-
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   std::vector<Landmark> all;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {

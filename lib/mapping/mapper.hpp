@@ -15,7 +15,6 @@
 #include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
 #include "mapping/store/chunk_allocator.hpp"
-#include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -93,9 +92,6 @@ class Mapper {
   /// All landmarks with at least `min_observations` observations judged by camera or laser, in
   /// order of id, with positions from all current observations.
   std::vector<Landmark> landmarks(int min_observations = 1) const;
-
-  /// Saves or restores the state. The configuration is not included; observations stay in `memory`.
-  void persist(StateArchive& archive);
 
  private:
   struct Impl;

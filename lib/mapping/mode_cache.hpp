@@ -33,11 +33,6 @@ class ModeCache {
     if (static_cast<std::size_t>(index) < known_.size()) known_[index].num_observations = 0;
   }
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(known_);
-  }
-
   std::size_t num_bytes() const { return known_.capacity() * sizeof(Known); }
 
  private:
@@ -45,11 +40,6 @@ class ModeCache {
   struct Known {
     PositionMode mode;
     std::int32_t num_observations = 0;
-
-    template <class Archive>
-    void persist(Archive& archive) {
-      archive(mode.p_map, mode.covariance, num_observations);
-    }
   };
   std::vector<Known> known_;
   PositionMode few_;

@@ -47,8 +47,6 @@ class PoseTrack {
   /// All poses in order of utime.
   std::vector<pose::PoseEstimate> poses() const;
 
-  void persist(StateArchive& archive) { archive(poses_); }
-
  private:
   std::size_t first_from(std::int64_t utime) const;
 

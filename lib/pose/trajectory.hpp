@@ -18,11 +18,6 @@ struct Trajectory {
   std::int64_t utime = 0;           ///< of the newest measurement used
   std::int32_t revision = 1;        ///< +1 per correction
   std::vector<PoseEstimate> poses;  ///< seq, pitch and roll unused
-
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(utime, revision, poses);
-  }
 };
 
 /// A part of a trajectory that fits into one message.
@@ -51,11 +46,6 @@ class TrajectoryCollector {
   std::optional<Trajectory> add(const TrajectoryPage& page);
 
   std::int64_t num_incomplete() const { return num_incomplete_; }
-
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(partial_, next_page_, num_incomplete_);
-  }
 
  private:
   Trajectory partial_;

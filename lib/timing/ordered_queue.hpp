@@ -127,25 +127,6 @@ class OrderedQueue {
     return take(*next);
   }
 
-  /// Reads or writes the state. `visit_item(archive, kind, item)` reads or writes one item; when
-  /// reading, `item` is default-constructed before.
-  template <class Archive, class VisitItem>
-  void persist(Archive& archive, const VisitItem& visit_item) {
-    archive(rules_, reached_, message_time_);
-    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
-      std::deque<Entry>& queue = queues_[kind];
-      std::uint64_t count = queue.size();
-      archive(count);
-      if (archive.is_reading()) queue.clear();
-      for (std::uint64_t i = 0; i < count; ++i) {
-        if (archive.is_reading()) queue.emplace_back();
-        Entry& entry = queue[i];
-        archive(entry.utime);
-        visit_item(archive, kind, entry.item);
-      }
-    }
-  }
-
  private:
   std::int64_t newest_time() const {
     std::int64_t newest = kNever;

@@ -24,12 +24,6 @@ class BeamTimes {
   /// The finding as text for the user; empty if there is none.
   std::string text() const;
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(turn_fraction_, reach_m_, utime_, x_m_, y_m_, yaw_rad_, num_scans_, num_moved_,
-            sum_moved_m_);
-  }
-
  private:
   double range_sd_m_;
   double gap_max_s_;

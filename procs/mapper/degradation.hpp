@@ -36,12 +36,6 @@ class Degradation {
   /// The finding as text for the user; empty if there is none.
   std::string text() const;
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(first_utime_, last_utime_, last_picture_utime_, is_open_, pictures_, first_fix_utime_,
-            last_fix_utime_, fixes_, ids_);
-  }
-
  private:
   using Span = std::pair<std::int64_t, std::int64_t>;
   std::int32_t id_at(std::int64_t utime) const;

@@ -4,17 +4,19 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include <exception>
+#include <filesystem>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include "bus/messages/codec.hpp"
+#include "io/file_chunk_allocator.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::procs {
 namespace {
 
-/// Record kind of a flush; all other kinds are channel numbers.
+/// Record kind of a flush; the others are channel numbers.
 constexpr std::uint8_t kFlushRecord = 255;
 
 /// Disk space that the journal leaves for the map's own files.
@@ -23,8 +25,12 @@ constexpr std::uint64_t kReserved_bytes = 4u << 20;
 /// Max number of earlier maps in STATUS; the log has all.
 constexpr std::size_t kNotesMax = 10;
 
-const char* const kOtherConfiguration = "it was made with another configuration";
-const char* const kOtherProgram = "it was made by another version of this program";
+/// Files of a program that kept only the inputs since a snapshot of its state in the journal.
+constexpr const char* kSnapshotName = "mapper.snapshot";
+constexpr const char* kChunksName = "mapper.chunks";
+
+/// Number of replayed records between two calls of on_progress(): some hundredths of a second.
+constexpr std::int64_t kProgressPeriod = 500;
 
 /// True if the frame of the poses survives a restart of orchard-pose: it is given from outside, not
 /// by the robot's start.
@@ -43,116 +49,92 @@ bool frame_is_given(const pose::PoseConfig& config) {
 }  // namespace
 
 JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_hash,
-                                 io::MapFolderLock& place, int snapshot_period)
-    : config_(config),
-      config_hash_(config_hash),
-      place_(place),
-      snapshot_period_(snapshot_period),
-      memory_(std::make_shared<io::FileChunkAllocator>(place.folder(), kChunksName)),
-      mapper_(std::make_unique<MapperNode>(config, memory_)) {
-  const std::string why_not = resume();
-  if (!why_not.empty()) begin_new_map(why_not);
+                                 io::MapFolderLock& place)
+    : config_(config), config_hash_(config_hash), place_(place) {
+  make_mapper();
+}
+
+void JournaledMapper::make_mapper() {
+  mapper_ = std::make_unique<MapperNode>(config_,
+                                         std::make_shared<io::FileChunkAllocator>(place_.folder()));
+  last_pose_.reset();
+  num_replayed_.fill(0);
+}
+
+void JournaledMapper::start(const std::function<void()>& on_progress) {
+  try {
+    const std::string why_not = resume(on_progress);
+    if (!why_not.empty()) begin_new_map(why_not);
+  } catch (const io::FileError& error) {  // a failure to write, not a bad input file
+    throw std::runtime_error(error.what());
+  }
 }
 
 /// Resumes the map in the folder. Returns "" or the reason why it cannot.
-std::string JournaledMapper::resume() {
-  using State = io::SnapshotReading::State;
-  const io::SnapshotReading reading = io::read_snapshot(place_.file(kSnapshotName), config_hash_);
-  if (reading.state == State::kOtherMaker) return kOtherConfiguration;
-  if (reading.state == State::kDamaged) return "its snapshot is damaged or of another program";
-  const bool has_snapshot = reading.state == State::kWhole;
-  if (has_snapshot) {
-    const std::string why_not = resume_from_snapshot(reading.snapshot);
-    if (!why_not.empty()) return why_not;
-  }
-  return resume_from_journal(has_snapshot, reading.snapshot.journal_bytes);
-}
-
-std::string JournaledMapper::resume_from_snapshot(const io::Snapshot& snapshot) {
-  if (!memory_->restore(snapshot.chunks)) return std::string(kChunksName) + " is damaged";
-  try {
-    mapping::StateArchive archive(snapshot.state);
-    persist(archive);
-    if (archive.num_left() > 0) return kOtherProgram;
-  } catch (const std::exception&) {
-    return kOtherProgram;
-  }
-  journal_number_ = snapshot.journal_number;
-  num_rebuilt_ = mapper_->num_rebuilt();
-  return {};
-}
-
-/// The snapshot covers the first `covered_bytes` of the journal with its number. If the process
-/// ended right after a snapshot, the journal of the next number is missing or has only its first
-/// records.
-std::string JournaledMapper::resume_from_journal(bool has_snapshot, std::uint64_t covered_bytes) {
+std::string JournaledMapper::resume(const std::function<void()>& on_progress) {
   using State = io::JournalReading::State;
   const std::string path = place_.file(kJournalName);
-  io::JournalReading reading = io::read_journal(path, journal_identity(), {}, covered_bytes);
-  if (has_snapshot && (reading.state == State::kOtherMaker || reading.state == State::kAbsent)) {
-    ++journal_number_;
-    covered_bytes = 0;
-    reading = io::read_journal(path, journal_identity());
+  if (std::filesystem::exists(place_.file(kSnapshotName))) {
+    return "an earlier version of this program saved its state in " + std::string(kSnapshotName);
   }
+  const io::JournalReading reading = replay(on_progress);
   switch (reading.state) {
     case State::kOtherMaker:
-      return kOtherConfiguration;
+      return "it was made with another configuration";
     case State::kDamaged:
       return "its journal is damaged: " + reading.reason;
     case State::kAbsent:
-      if (!has_snapshot) return "it has no journal";
-      break;
+      return "it has no journal";
     case State::kWhole:
-      if (reading.num_torn_bytes > 0) {
-        spdlog::warn("{}: ignored {} bytes of an interrupted write at the end", path,
-                     reading.num_torn_bytes);
-      }
-      replay(covered_bytes);
+      break;
   }
-  journal_ = std::make_unique<io::Journal>(path, journal_identity(), reading.num_good_bytes);
-  if (has_snapshot || reading.num_records > 0) {
+  if (reading.num_torn_bytes > 0) {
+    spdlog::warn("{}: ignored {} bytes of an interrupted write at the end", path,
+                 reading.num_torn_bytes);
+  }
+  if (reading.num_missing > 0) {
+    add_note(
+        fmt::format("{} messages came while the disk was full and are not in {}: after the "
+                    "restart the map lacks what they showed",
+                    reading.num_missing, path));
+  }
+  journal_ = std::make_unique<io::Journal>(path, config_hash_, reading.num_good_bytes);
+  if (reading.num_records > 0) {
     spdlog::info("resuming the map in {}: {} landmarks, {} messages of the journal replayed",
                  place_.folder(), mapper_->num_landmarks(), reading.num_records);
   }
   return {};
 }
 
-/// Identifies the journal that belongs to a snapshot.
-std::int64_t JournaledMapper::journal_identity() const {
-  return config_hash_ ^ static_cast<std::int64_t>(journal_number_ * 0x9E3779B97F4A7C15u);
-}
-
-void JournaledMapper::persist(mapping::StateArchive& archive) {
-  archive(last_pose_, num_taken_, *mapper_);
-  if (archive.is_reading()) num_replayed_ = num_taken_;
-}
-
-void JournaledMapper::replay(std::uint64_t from_bytes) {
+io::JournalReading JournaledMapper::replay(const std::function<void()>& on_progress) {
   const std::string path = place_.file(kJournalName);
-  const bus::Outbox nowhere = [](const bus::Message&) {};
-  std::int64_t num_refused = 0;
-  const auto take_in = [&](std::uint8_t kind, std::string_view bytes) {
-    ++num_since_snapshot_;
-    if (kind == kFlushRecord) return mapper_->flush(nowhere);
-    if (kind >= bus::kNumChannels ||
-        bus::info(static_cast<bus::Channel>(kind)).role == bus::Role::kService) {
-      ++num_refused;
-      return;
-    }
-    const auto decoded = bus::decode(static_cast<bus::Channel>(kind), bytes.data(), bytes.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    if (message == nullptr) {
-      ++num_refused;
-      return;
-    }
-    ++num_taken_[kind];
-    if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) note_pose(*pose);
-    mapper_->handle(*message, nowhere);
-  };
-  io::read_journal(path, journal_identity(), take_in, from_bytes);
-  num_replayed_ = num_taken_;
+  std::int64_t num = 0, num_refused = 0;
+  const io::JournalReading reading =
+      io::read_journal(path, config_hash_, [&](std::uint8_t kind, std::string_view bytes) {
+        if (!take_in(kind, bytes)) ++num_refused;
+        if (++num % kProgressPeriod == 0 && on_progress) on_progress();
+      });
   if (num_refused > 0)
     spdlog::warn("{}: {} messages in it are invalid and were ignored", path, num_refused);
+  return reading;
+}
+
+/// Handles a record of the journal again; false if it is invalid.
+bool JournaledMapper::take_in(std::uint8_t kind, std::string_view bytes) {
+  const bus::Outbox nowhere = [](const bus::Message&) {};
+  if (kind == kFlushRecord) {
+    mapper_->flush(nowhere);
+    return true;
+  }
+  const auto channel = static_cast<bus::Channel>(kind);
+  if (kind >= bus::kNumChannels || bus::info(channel).role == bus::Role::kService) return false;
+  const auto decoded = bus::decode(channel, bytes.data(), bytes.size());
+  const auto* message = std::get_if<bus::Message>(&decoded);
+  if (message == nullptr) return false;
+  ++num_replayed_[kind];
+  if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) note_pose(*pose);
+  mapper_->handle(*message, nowhere);
+  return true;
 }
 
 void JournaledMapper::begin_new_map(const std::string& why) {
@@ -164,17 +146,14 @@ void JournaledMapper::begin_new_map(const std::string& why) {
         "moved to {}",
         place_.folder(), why, aside);
     spdlog::warn("{}", note);
-    if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
+    add_note(std::move(note));
   }
-  mapper_.reset();
-  memory_ = std::make_shared<io::FileChunkAllocator>(place_.folder(), kChunksName);
-  mapper_ = std::make_unique<MapperNode>(config_, memory_);
-  num_replayed_.fill(0);
-  num_taken_.fill(0);
-  journal_number_ = 0;
-  num_since_snapshot_ = 0;
-  num_rebuilt_ = 0;
-  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), journal_identity(), 0);
+  make_mapper();
+  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), config_hash_, 0);
+}
+
+void JournaledMapper::add_note(std::string note) {
+  if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
 }
 
 void JournaledMapper::note_pose(const pose::PoseEstimate& pose) {
@@ -198,9 +177,6 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
   }
   const std::vector<std::uint8_t> bytes = journal_bytes(input);
   journal_->add(static_cast<std::uint8_t>(bus::channel_of(input)), bytes.data(), bytes.size());
-  ++num_taken_[static_cast<std::size_t>(bus::channel_of(input))];
-  ++num_since_snapshot_;
-  is_flushed_ = false;
   mapper_->handle(input, send);
 }
 
@@ -222,8 +198,6 @@ std::vector<std::uint8_t> JournaledMapper::journal_bytes(const bus::Message& inp
 
 void JournaledMapper::flush(const bus::Outbox& send) {
   journal_->add(kFlushRecord, nullptr, 0);
-  ++num_since_snapshot_;
-  is_flushed_ = true;
   mapper_->flush(send);
 }
 
@@ -235,38 +209,6 @@ void JournaledMapper::commit() {
                     place_.file(kJournalName), kReserved_bytes >> 20));
   }
   journal_->commit();
-  if (is_snapshot_due()) save_snapshot();
-}
-
-/// Snapshots are due after a flush, after a rebuild of the map, and every snapshot_period_ inputs.
-bool JournaledMapper::is_snapshot_due() const {
-  if (num_since_snapshot_ == 0) return false;
-  return is_flushed_ || num_since_snapshot_ >= snapshot_period_ ||
-         mapper_->num_rebuilt() != num_rebuilt_;
-}
-
-/// Writes a snapshot. On failure the journal still has everything and grows on.
-void JournaledMapper::save_snapshot() {
-  num_since_snapshot_ = 0;
-  num_rebuilt_ = mapper_->num_rebuilt();
-  try {
-    memory_->begin_persisting();
-    mapping::StateArchive archive;
-    persist(archive);
-    io::Snapshot snapshot;
-    snapshot.chunks = memory_->sync_persistent();
-    snapshot.journal_number = journal_number_;
-    snapshot.journal_bytes = journal_->num_bytes();
-    snapshot.state = archive.bytes();
-    io::write_snapshot(place_.file(kSnapshotName), config_hash_, snapshot);
-  } catch (const std::exception& error) {
-    spdlog::warn("{}: no snapshot was written ({}); the journal is continued", place_.folder(),
-                 error.what());
-    return;
-  }
-  memory_->release_others();
-  ++journal_number_;
-  journal_->begin_anew(journal_identity());
 }
 
 std::string JournaledMapper::warning() const {

@@ -7,53 +7,44 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
-#include "io/file_chunk_allocator.hpp"
 #include "io/journal.hpp"
 #include "io/map/map_folder_lock.hpp"
-#include "io/snapshot.hpp"
 #include "mapper/mapper_node.hpp"
 
 namespace orchard::procs {
 
-/// A mapper that can resume its map after a restart. It saves snapshots of its state beside the
-/// map, and a journal of its inputs since the last snapshot; the constructor restores both. The map
-/// is a function of its inputs, so it continues exactly as without the restart, with the same ids.
+/// A mapper that can resume its map after a restart: beside the map it keeps a journal of all its
+/// inputs, and start() replays it. The map is a function of its inputs, so it continues exactly as
+/// without the restart, with the same ids.
 ///
-/// A map without these files, of another configuration or with a damaged file is not continued: it
+/// A map without a journal, of another configuration or with a damaged journal is not continued: it
 /// is set aside. So is a map whose frame ended because orchard-pose restarted in a mode with its
 /// own origin. STATUS and summary.json report it.
 class JournaledMapper : public bus::Node {
  public:
   static constexpr const char* kJournalName = "mapper.journal";
-  static constexpr const char* kSnapshotName = "mapper.snapshot";
-  /// The chunks of a long drive's data; the snapshot refers to them.
-  static constexpr const char* kChunksName = "mapper.chunks";
 
-  /// Number of inputs after which a new snapshot is due. It limits the time to replay the journal
-  /// to a tenth of a second, or less than a second in a large map.
-  static constexpr int kSnapshotPeriod = 3000;
-
-  /// Resumes the map in `place`, which must outlive this. Throws io::FileError.
-  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapFolderLock& place,
-                  int snapshot_period = kSnapshotPeriod);
+  /// A mapper for the map in `place`, which must outlive this; it begins with start().
+  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapFolderLock& place);
 
   std::string_view name() const override { return mapper_->name(); }
   std::vector<bus::Channel> inputs() const override { return mapper_->inputs(); }
   bus::InputNeed need_of(bus::Channel channel) const override { return mapper_->need_of(channel); }
+  void start(const std::function<void()>& on_progress) override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override { return mapper_->counts(); }
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
 
-  /// Writes the inputs since the last call to the journal, and a snapshot if one is due. Throws
-  /// io::FileError when the inputs cannot be written, or when they would take the disk space
-  /// reserved for the map.
+  /// Writes the inputs since the last call to the journal. Throws io::FileError when they cannot be
+  /// written, or when they would take the disk space reserved for the map.
   void commit();
 
   /// Sets a function to be called before a map is set aside, so that its files can be saved in
@@ -67,36 +58,26 @@ class JournaledMapper : public bus::Node {
   /// Number of inputs restored from earlier processes, by channel.
   const std::array<std::int64_t, bus::kNumChannels>& num_replayed() const { return num_replayed_; }
 
-  /// One sentence for each earlier map that was set aside.
+  /// One sentence for each earlier map that was set aside, and for what this one lacks.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  std::string resume();
-  std::string resume_from_snapshot(const io::Snapshot& snapshot);
-  std::string resume_from_journal(bool has_snapshot, std::uint64_t covered_bytes);
-  void replay(std::uint64_t from_bytes);
-  void save_snapshot();
-  bool is_snapshot_due() const;
-  void persist(mapping::StateArchive& archive);
-  std::int64_t journal_identity() const;
+  std::string resume(const std::function<void()>& on_progress);
+  io::JournalReading replay(const std::function<void()>& on_progress);
+  bool take_in(std::uint8_t kind, std::string_view bytes);
   void begin_new_map(const std::string& why);
+  void make_mapper();
+  void add_note(std::string note);
   void note_pose(const pose::PoseEstimate& pose);
   std::vector<std::uint8_t> journal_bytes(const bus::Message& input) const;
 
   io::Config config_;
   std::int64_t config_hash_;
   io::MapFolderLock& place_;
-  int snapshot_period_;
-  std::shared_ptr<io::FileChunkAllocator> memory_;
   std::unique_ptr<MapperNode> mapper_;
-  std::unique_ptr<io::Journal> journal_;
+  std::unique_ptr<io::Journal> journal_;  ///< from start() on
   std::function<void(const MapperNode&)> before_new_map_;
-  std::uint64_t journal_number_ = 0;
-  int num_since_snapshot_ = 0;
-  std::size_t num_rebuilt_ = 0;  ///< num_rebuilt() at the last snapshot
-  bool is_flushed_ = false;      ///< no input since the last flush
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
-  std::array<std::int64_t, bus::kNumChannels> num_taken_{};  ///< by all processes
   std::optional<pose::PoseEstimate> last_pose_;
   std::vector<std::string> notes_;
 };

@@ -90,13 +90,6 @@ class MapperNode : public bus::Node {
     return album_.keeps_picture(image_utime);
   }
 
-  /// Reads or writes all state that later outputs depend on; the caller provides the configuration.
-  /// Throws std::exception when the memory fails to save or to find its chunks.
-  void persist(mapping::StateArchive& archive);
-
-  /// Changes with every rebuild of the map, which is expensive to repeat.
-  std::size_t num_rebuilt() const { return num_rebuilt_; }
-
   /// Whether anyone reads MAP; false: none is sent, and its landmarks are not computed. The content
   /// of the map is the same.
   void set_has_readers(bool has_readers) { has_readers_ = has_readers; }

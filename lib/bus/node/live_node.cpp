@@ -94,6 +94,11 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
 
 void LiveNode::run(StopSignal& stop) {
   if (alone_) check_peers(stop);
+  node_.start([this] {  // what arrives meanwhile waits
+    drain();
+    if (report_.due()) report();
+  });
+  has_started_ = true;
   while (!stop.raised()) {
     drain();
     if (inputs_.update(Clock::now())) report_.send_soon(false);
@@ -264,6 +269,7 @@ Status LiveNode::status() const {
     add(Level::kError,
         duplicate + " runs beside this one (" + report_.host() + "): stop one of them");
   }
+  if (!has_started_) add(Level::kWaiting, "starting; what arrives waits");
   add(Level::kWarning, node_.warning());
   std::string inputs;
   const Level inputs_level = describe_inputs(inputs);

@@ -61,6 +61,7 @@ class LiveNode {
   InputWatch inputs_;
   PeerProcesses peers_;
   bool alone_;
+  bool has_started_ = false;
   bool outputs_flow_ = true;  ///< outputs were sent between the last two reports; true at first
   std::int64_t num_published_before_ = 0;
   std::int64_t num_dropped_before_ = 0;

@@ -49,6 +49,11 @@ class Node {
   virtual std::string_view name() const = 0;
   virtual std::vector<Channel> inputs() const = 0;
 
+  /// Prepares the node, live only: called once, after the inputs are subscribed and before the
+  /// first handle(). A node that takes long calls `on_progress` several times a second. Throws
+  /// std::runtime_error when it cannot run.
+  virtual void start(const std::function<void()>& /*on_progress*/) {}
+
   /// How much the node depends on one of its inputs().
   virtual InputNeed need_of(Channel channel) const {
     const bool occasional = channel == Channel::kTrajectory || channel == Channel::kPoseFix ||

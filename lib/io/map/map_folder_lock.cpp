@@ -90,7 +90,7 @@ void MapFolderLock::remove_temporaries() {
     std::smatch part;
     if (!std::regex_match(name, part, kTemporary)) continue;
     const std::string target = part[1].str() + part[3].str();
-    if (target != "trial.csv" && target != "mapper.snapshot" && !is_map_file(target)) continue;
+    if (target != "trial.csv" && !is_map_file(target)) continue;
     const long pid = std::stol(part[2].str());
     // This process has none yet, so a file with its own process id is from an earlier process.
     if (pid != ::getpid() && is_alive(pid)) continue;

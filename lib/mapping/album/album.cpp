@@ -70,10 +70,10 @@ void Album::add_picture(const vision::Image& image) {
   last_picture_utime_ = image.utime;
   const auto num_bytes = [this] {
     std::size_t sum = 0;
-    for (const WaitingPicture& waiting : pictures_) sum += waiting.image.data.size();
+    for (const vision::Image& waiting : pictures_) sum += waiting.data.size();
     return sum;
   };
-  pictures_.push_back({image});
+  pictures_.push_back(image);
   while (pictures_.size() > 1 &&
          (pictures_.size() > kWaitingPicturesMax || num_bytes() > kPictureBytesMax)) {
     pictures_.erase(pictures_.begin());
@@ -93,9 +93,9 @@ void Album::take_scans() {
     if (!last_picture_utime_ || *last_picture_utime_ < scan.image_utime) break;
     const auto of_it = std::find_if(
         pictures_.begin(), pictures_.end(),
-        [&scan](const WaitingPicture& waiting) { return waiting.image.utime == scan.image_utime; });
+        [&scan](const vision::Image& waiting) { return waiting.utime == scan.image_utime; });
     if (of_it != pictures_.end()) {
-      observe(scan, of_it->image);
+      observe(scan, *of_it);
       // Scans are in order of time, so older images are no longer needed.
       pictures_.erase(pictures_.begin(), of_it);
     }
@@ -205,16 +205,6 @@ std::vector<PlacedPhotograph> Album::photographs(
     all.push_back({passing.best, p_map.x(), p_map.y()});
   }
   return all;
-}
-
-void Album::persist(StateArchive& archive) {
-  std::uint64_t num_over = num_over_, num_bytes = num_bytes_;
-  bool has_picture = last_picture_utime_.has_value();
-  std::int64_t last_utime = last_picture_utime_.value_or(0);
-  archive(scans_, pictures_, passings_, num_over, num_bytes, has_picture, last_utime);
-  num_over_ = static_cast<std::size_t>(num_over);
-  num_bytes_ = static_cast<std::size_t>(num_bytes);
-  if (has_picture) last_picture_utime_ = last_utime;
 }
 
 }  // namespace orchard::mapping

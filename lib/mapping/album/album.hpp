@@ -10,7 +10,6 @@
 #include "detection/rig.hpp"
 #include "mapping/album/album_config.hpp"
 #include "mapping/album/photograph.hpp"
-#include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 #include "vision/image.hpp"
 
@@ -48,9 +47,6 @@ class Album {
   std::size_t max_bytes() const { return max_bytes_; }
   std::size_t num_bytes() const { return num_bytes_; }
 
-  /// Saves or restores the state, without the configuration.
-  void persist(StateArchive& archive);
-
  private:
   struct WaitingScan {
     std::int64_t utime = 0;
@@ -58,22 +54,12 @@ class Album {
     double x_m = 0.0, y_m = 0.0, yaw_rad = 0.0;
     detection::Motion motion;
     std::vector<Subject> subjects;
-    void persist(StateArchive& archive) {
-      archive(utime, image_utime, x_m, y_m, yaw_rad, motion, subjects);
-    }
-  };
-  struct WaitingPicture {
-    vision::Image image;
-    void persist(StateArchive& archive) {
-      archive(image.utime, image.seq, image.width_px, image.height_px, image.encoding, image.data);
-    }
   };
   /// Best view of one position in one passing.
   struct Passing {
     double x_m = 0.0, y_m = 0.0;  ///< in map, by the pose at that time
     std::int64_t last_utime = 0;
     Photograph best;
-    void persist(StateArchive& archive) { archive(x_m, y_m, last_utime, best); }
   };
   void take_scans();
   void observe(const WaitingScan& scan, const vision::Image& image);
@@ -82,11 +68,11 @@ class Album {
 
   detection::Rig rig_;
   std::size_t max_bytes_;
-  std::vector<WaitingScan> scans_;        ///< in order of arrival
-  std::vector<WaitingPicture> pictures_;  ///< likewise
-  std::vector<Passing> passings_;         ///< in order of their start
-  std::size_t num_over_ = 0;              ///< number of passings at the front that have ended
-  std::size_t num_bytes_ = 0;             ///< total of all photographs
+  std::vector<WaitingScan> scans_;       ///< in order of arrival
+  std::vector<vision::Image> pictures_;  ///< likewise
+  std::vector<Passing> passings_;        ///< in order of their start
+  std::size_t num_over_ = 0;             ///< number of passings at the front that have ended
+  std::size_t num_bytes_ = 0;            ///< total of all photographs
   std::optional<std::int64_t> last_picture_utime_;
 };
 

@@ -24,11 +24,6 @@ struct Photograph {
   Subject subject;
   double quality = 0.0;
   std::vector<std::uint8_t> jpeg;
-
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(scan_utime, image_utime, frame, subject, quality, jpeg);
-  }
 };
 
 /// A photograph with the position of its subject, by the current poses.

@@ -102,24 +102,4 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
   }
 }
 
-void ExistenceFilter::persist(StateArchive& archive) {
-  std::uint64_t num_observations = observations_.size();
-  archive(last_utime_, num_observations);
-  if (archive.is_reading()) {
-    observations_.clear();
-    for (; num_observations > 0; --num_observations) {
-      Observation observation;
-      std::vector<std::uint8_t> bytes;
-      archive(observation.T_map_base, bytes);
-      observation.free_space = std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
-      observations_.push_back(std::move(observation));
-    }
-    return;
-  }
-  for (Observation& observation : observations_) {
-    std::vector<std::uint8_t> bytes = observation.free_space->pack();
-    archive(observation.T_map_base, bytes);
-  }
-}
-
 }  // namespace orchard::mapping

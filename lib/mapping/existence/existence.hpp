@@ -12,7 +12,6 @@
 #include "mapping/free_space.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/map_update.hpp"
-#include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -41,8 +40,6 @@ class ExistenceFilter {
   /// found its position free more often than not. A moving object occupies each position only
   /// briefly, even where no later scan looks.
   bool was_free_before(const Eigen::Vector2d& p_map, double width_m, double sd_m) const;
-
-  void persist(StateArchive& archive);
 
  private:
   struct Evidence;

@@ -72,8 +72,6 @@ class ObservationStore {
   /// Position of an observation in map, by the pose of its scan.
   Eigen::Vector2d p_map(std::int32_t observation) const;
 
-  void persist(StateArchive& archive) { archive(scans_, observations_, beams_); }
-
   /// The newest `most` observations of a chain, composed with the given poses.
   std::vector<WeightedPoint> newest(std::int32_t head, std::size_t most) const;
 

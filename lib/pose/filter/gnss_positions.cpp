@@ -66,10 +66,6 @@ std::optional<GnssPosition> GnssPositions::add(const Gnss& gnss) {
   return GnssPosition{gnss.utime, {east_m, north_m}, effective_covariance(gnss, impl_->config)};
 }
 
-void GnssPositions::set_datum(const std::array<double, 3>& datum) {
-  impl_->enu.emplace(datum[0], datum[1], datum[2]);
-}
-
 std::optional<std::array<double, 3>> GnssPositions::datum() const {
   const auto& enu = impl_->enu;
   if (!enu) return std::nullopt;

@@ -17,11 +17,6 @@ struct GnssPosition {
   std::int64_t utime = 0;
   Eigen::Vector2d p_enu_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m2], at least that of its quality
-
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(utime, p_enu_m, covariance);
-  }
 };
 
 /// Converts fixes to metres east and north of a datum.
@@ -42,8 +37,6 @@ class GnssPositions {
   /// Returns latitude [deg], longitude [deg], altitude [m] of the datum; none before the first
   /// usable fix if no datum is configured.
   std::optional<std::array<double, 3>> datum() const;
-  /// Replaces the datum.
-  void set_datum(const std::array<double, 3>& datum);
 
  private:
   struct Impl;

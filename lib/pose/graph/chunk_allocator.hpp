@@ -27,12 +27,6 @@ class ChunkAllocator {
   /// Number of times that chunks were unloaded, plus one.
   std::uint32_t round() const { return round_; }
 
-  /// Makes a chunk persistent and returns its number for find(), also in a later process; negative
-  /// if the memory does not outlive this process. The chunk must not be changed afterwards.
-  virtual std::int64_t keep(void* /*chunk*/) { return -1; }
-  /// Returns the chunk of a number from keep(); null if there is none.
-  virtual void* find(std::int64_t /*number*/) { return nullptr; }
-
  protected:
   std::uint32_t round_ = 1;
 };

@@ -20,7 +20,7 @@ struct MapPipeline {
       : detector(config),
         pose(std::make_unique<procs::PoseNode>(
             config, std::make_shared<io::FileChunkAllocator>(
-                        folder, "", io::FileChunkAllocator::kPoseLoadedMax))),
+                        folder, io::FileChunkAllocator::kPoseLoadedMax))),
         mapper(config, std::make_shared<io::FileChunkAllocator>(folder)) {}
   std::vector<bus::Node*> nodes() { return {&detector, pose.get(), &mapper}; }
 

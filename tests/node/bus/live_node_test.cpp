@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <functional>
+
 #include "node/bus/fake_log.hpp"
 
 namespace orchard::bus {
@@ -63,6 +65,28 @@ TEST(LiveNode, TheLastSaveIsFinalAndKnowsWhatWasLost) {
   EXPECT_EQ(traffic.num_in[static_cast<std::size_t>(Channel::kImage)], 4);
   EXPECT_EQ(traffic.num_rejected[static_cast<std::size_t>(Reason::kTooShort)], 1);
   EXPECT_EQ(traffic.num_seq_gaps, 0) << "the first image to arrive is where its count begins";
+}
+
+/// Is busy with something else before it can take anything.
+class SlowStarter : public Recorder {
+ public:
+  void start(const std::function<void()>& on_progress) override {
+    for (int i = 0; i < 3; ++i) on_progress();
+    EXPECT_TRUE(scans.empty());
+    has_started = true;
+  }
+  void handle(const Message& input, const Outbox& send) override {
+    EXPECT_TRUE(has_started);
+    Recorder::handle(input, send);
+  }
+
+  bool has_started = false;
+};
+
+TEST(LiveNode, WhatArrivesWhileItStartsWaits) {
+  SlowStarter node;
+  run_behind(node, 12);
+  EXPECT_EQ(node.scans.size(), 12u);
 }
 
 /// Finds what it is given too late, and ends when STATUS says so or has not for long enough.

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -32,9 +31,10 @@ std::string table_of(const MapperNode& mapper) { return io::map_csv(mapper.finis
 
 /// A mapper process, as far as its map goes.
 struct Process {
-  Process(const io::Config& config, const std::string& folder, std::int64_t hash = 5,
-          int snapshot_period = JournaledMapper::kSnapshotPeriod)
-      : place(folder), node(config, hash, place, snapshot_period), drive(node) {}
+  Process(const io::Config& config, const std::string& folder, std::int64_t hash = 5)
+      : place(folder), node(config, hash, place), drive(node) {
+    node.start({});
+  }
   io::MapFolderLock place;
   JournaledMapper node;
   RowDrive drive;
@@ -77,78 +77,80 @@ std::string outputs_of(bus::Node& node, RowDrive& drive, int from, int to) {
   return text;
 }
 
-TEST(JournaledMapper, FromASnapshotItGoesOnToTheLastByteOfItsMessages) {
-  for (const int period : {1, 37, 200}) {
-    MapperNode never_killed(rig());
-    RowDrive drive(never_killed);
-    const io::TestFolder folder;
-    auto process = std::make_unique<Process>(rig(), folder.path(), 5, period);
-    int k = 0;
-    std::uintmax_t largest = 0;
-    for (; k < 300; ++k) {
-      drive.step(k, k);
-      process->drive.step(k, k);
-      if (k % 5 == 4) process->node.commit();
-      largest = std::max(largest, fs::file_size(folder / "mapper.journal"));
-      if (k % 25 == 24) {  // killed
-        process.reset();
-        process = std::make_unique<Process>(rig(), folder.path(), 5, period);
-      }
-    }
-    EXPECT_TRUE(process->node.notes().empty());
-    EXPECT_EQ(process->node.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], 300);
-    EXPECT_LT(largest, 40'000u) << "the journal is no longer than what a snapshot lacks";
-    const std::string expected = outputs_of(never_killed, drive, k, k + 50);
-    EXPECT_EQ(outputs_of(process->node, process->drive, k, k + 50), expected) << period;
-    EXPECT_EQ(table_of(process->node.mapper()), table_of(never_killed));
-  }
-}
-
-TEST(JournaledMapper, ASnapshotOrWhatItKeepsThatIsDamagedIsNotGoneOnWith) {
-  for (const char* name : {"mapper.snapshot", "mapper.chunks", "mapper.journal"}) {
-    const io::TestFolder folder;
-    {
-      Process process(rig(), folder.path(), 5, 100);
-      for (int k = 0; k < 100; ++k) process.drive.step(k, k);
-      process.node.commit();
-      for (int k = 100; k < 110; ++k) process.drive.step(k, k);
-      process.node.commit();
-      for (int k = 110; k < 114; ++k) process.drive.step(k, k);
-      process.node.commit();
-    }
-    std::string bytes = io::read_bytes(folder / name);
-    ASSERT_GT(bytes.size(), 100u) << name;
-    bytes[60] = static_cast<char>(~bytes[60]);
-    io::write_bytes(folder / name, bytes);
-    Process process(rig(), folder.path());
-    EXPECT_EQ(process.node.mapper().num_landmarks(), 0u) << name;
-    ASSERT_EQ(process.node.notes().size(), 1u) << name;
-    EXPECT_NE(process.node.notes().front().find("damaged"), std::string::npos) << name;
-  }
-}
-
-TEST(JournaledMapper, KilledBetweenASnapshotAndItsNewJournalItTakesNothingTwice) {
+TEST(JournaledMapper, ItGoesOnToTheLastByteOfItsMessages) {
+  MapperNode never_killed(rig());
+  RowDrive drive(never_killed);
   const io::TestFolder folder;
-  std::string journal;
-  std::string before;
-  {
-    Process process(rig(), folder.path(), 5, 1 << 30);
-    for (int k = 0; k < 100; ++k) process.drive.step(k, k);
-    process.node.commit();
-    journal = io::read_bytes(folder / "mapper.journal");  // as it was when the snapshot was made
-    process.node.flush(kNowhere);
+  auto process = std::make_unique<Process>(rig(), folder.path());
+  int k = 0;
+  for (; k < 300; ++k) {
+    drive.step(k, k);
+    process->drive.step(k, k);
+    if (k % 100 == 49) {  // stopped, and started again
+      never_killed.flush(kNowhere);
+      process->node.flush(kNowhere);
+    }
+    if (k % 25 == 24) {  // killed
+      process->node.commit();
+      process.reset();
+      process = std::make_unique<Process>(rig(), folder.path());
+    }
   }
+  EXPECT_TRUE(process->node.notes().empty());
+  EXPECT_EQ(process->node.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], 300);
+  const std::string expected = outputs_of(never_killed, drive, k, k + 50);
+  EXPECT_EQ(outputs_of(process->node, process->drive, k, k + 50), expected);
+  EXPECT_EQ(table_of(process->node.mapper()), table_of(never_killed));
+}
+
+TEST(JournaledMapper, WhileItResumesOthersWork) {
+  const io::TestFolder folder;
   {
-    Process process(rig(), folder.path(), 5, 1);
-    before = table_of(process.node.mapper());
-    process.node.commit();  // a snapshot, for what was replayed
-  }
-  for (const std::string& left : {journal, std::string()}) {
-    io::write_bytes(folder / "mapper.journal", left);
     Process process(rig(), folder.path());
-    EXPECT_TRUE(process.node.notes().empty());
-    EXPECT_EQ(table_of(process.node.mapper()), before);
+    for (int k = 0; k < 500; ++k) process.drive.step(k, k);
+    process.node.commit();
   }
+  io::MapFolderLock place(folder.path());
+  JournaledMapper node(rig(), 5, place);
+  int num_calls = 0;
+  node.start([&] { ++num_calls; });
+  EXPECT_EQ(num_calls, 6) << "of 3000 messages";
+}
+
+TEST(JournaledMapper, AMapOfAProgramWithSnapshotsIsSetAside) {
+  const io::TestFolder folder;
+  {
+    Process process(rig(), folder.path());
+    for (int k = 0; k < 10; ++k) process.drive.step(k, k);
+    process.node.commit();
+  }
+  io::write_bytes(folder / "mapper.snapshot", "all before");
+  Process process(rig(), folder.path());
+  EXPECT_EQ(process.node.mapper().num_landmarks(), 0u);
+  ASSERT_EQ(process.node.notes().size(), 1u);
+  EXPECT_NE(process.node.notes().front().find("in mapper.snapshot"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "mapper.snapshot"));
+}
+
+TEST(JournaledMapper, WhatTheJournalLacksIsSaid) {
+  const io::TestFolder folder;
+  {
+    Process process(rig(), folder.path());
+    process.drive.step(0, 0);
+    process.node.commit();
+  }
+  {
+    io::Journal journal(folder / "mapper.journal", 5,
+                        io::read_journal(folder / "mapper.journal", 5).num_good_bytes);
+    const std::string lost(2 << 20, 'x');
+    for (int k = 0; k < 70; ++k) journal.add(0, lost.data(), lost.size());
+    journal.commit();
+  }
+  Process process(rig(), folder.path());
+  ASSERT_EQ(process.node.notes().size(), 1u);
+  EXPECT_EQ(process.node.notes().front().find("6 messages came while the disk was full"), 0u)
+      << process.node.notes().front();
+  EXPECT_NE(process.node.warning().find("lacks what they showed"), std::string::npos);
 }
 
 TEST(JournaledMapper, StoppedAndStartedAgainItKeepsEveryId) {

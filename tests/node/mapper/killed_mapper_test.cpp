@@ -33,6 +33,7 @@ int num_kills() {
   MapperProcess process;
   const io::Config config;
   const auto node = process.make_node(config, 5, folder, false);
+  node->start({});
   RowDrive drive(*node);
   for (;; ++k) {
     drive.step(k, k);
@@ -76,7 +77,8 @@ TEST(KilledMapper, NeverLosesWhatWasSavedNorAnId) {
     // and is gone on with
     {
       io::MapFolderLock place(folder.path());
-      const JournaledMapper again(io::Config{}, 5, place);
+      JournaledMapper again(io::Config{}, 5, place);
+      again.start({});
       ASSERT_TRUE(again.notes().empty()) << again.notes().front();
       ASSERT_GE(again.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], saved + 1);
       std::map<std::int32_t, mapping::Landmark> now;

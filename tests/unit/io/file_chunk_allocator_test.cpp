@@ -62,50 +62,6 @@ TEST(FileChunkAllocator, KeepsWhatIsWrittenAndLittleInMemory) {
   EXPECT_EQ(memory.allocate(), chunks[3]) << "what was given back is used again";
 }
 
-TEST(FileChunkAllocator, ANamedFileIsGoneOnWithAsItWasKept) {
-  const TestFolder folder;
-  std::vector<PersistentChunk> kept;
-  std::int64_t numbers[2];
-  {
-    FileChunkAllocator memory(folder.path(), "chunks");
-    void* chunks[3] = {memory.allocate(), memory.allocate(), memory.allocate()};
-    if (memory.num_on_heap() > 0) GTEST_SKIP() << "too little room";
-    for (int k = 0; k < 3; ++k) std::memset(chunks[k], 10 + k, kBytes);
-    memory.begin_persisting();
-    for (int k = 0; k < 2; ++k) numbers[k] = memory.keep(chunks[k]);
-    kept = memory.sync_persistent();
-    memory.release_others();
-    ASSERT_EQ(kept.size(), 2u);
-    // What was kept is not used again, what was not is.
-    memory.release(chunks[0]);
-    memory.release(chunks[2]);
-    EXPECT_EQ(memory.allocate(), chunks[2]);
-    EXPECT_NE(memory.allocate(), chunks[0]);
-  }
-  {
-    FileChunkAllocator memory(folder.path(), "chunks");
-    ASSERT_TRUE(memory.restore(kept));
-    for (int k = 0; k < 2; ++k) {
-      const auto* bytes = static_cast<const unsigned char*>(memory.find(numbers[k]));
-      ASSERT_NE(bytes, nullptr);
-      EXPECT_EQ(bytes[kBytes / 3], 10 + k);
-    }
-    EXPECT_EQ(memory.find(77), nullptr);
-    // The next time nothing is kept: all of it may be used again.
-    memory.release(memory.find(numbers[0]));
-    memory.begin_persisting();
-    EXPECT_TRUE(memory.sync_persistent().empty());
-    memory.release_others();
-    for (int k = 0; k < 3; ++k) memory.allocate();
-    EXPECT_EQ(std::filesystem::file_size(folder / "chunks"), 4 * kBytes);
-  }
-  FileChunkAllocator damaged(folder.path(), "chunks");
-  kept.front().crc ^= 1;
-  EXPECT_FALSE(damaged.restore(kept));
-  FileChunkAllocator absent(folder.path(), "other");
-  EXPECT_FALSE(absent.restore(kept));
-}
-
 TEST(FileChunkAllocator, WithoutAFileItIsTheHeap) {
   FileChunkAllocator memory("/proc/no/such/folder");
   void* chunk = memory.allocate();

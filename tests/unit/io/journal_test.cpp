@@ -52,6 +52,7 @@ TEST_F(JournalTest, GivesBackWhatWasCommitted) {
   EXPECT_EQ(reading.state, State::kWhole);
   EXPECT_EQ(reading.num_records, 40);
   EXPECT_EQ(reading.num_torn_bytes, 0u);
+  EXPECT_EQ(reading.num_missing, 0);
   EXPECT_EQ(reading.num_good_bytes, std::filesystem::file_size(path));
   EXPECT_EQ(records, written);
 }
@@ -128,6 +129,23 @@ TEST_F(JournalTest, AHugeClaimedSizeAllocatesNothing) {
   write_bytes(path, bytes);
   EXPECT_EQ(read().state, State::kDamaged);
   EXPECT_EQ(read().num_records, 0);
+}
+
+TEST(Journal, WhatAFullDiskMadeItDropIsSaidByTheFile) {
+  const TestFolder folder;
+  const std::string path = folder / "a.journal";
+  const std::string large(1 << 20, 'x');
+  {
+    Journal journal(path, 1, 0);
+    for (int k = 0; k < 100; ++k) journal.add(3, large.data(), large.size());  // no commit: full
+    journal.commit();
+    journal.add(3, "y", 1);
+    journal.commit();
+  }
+  const JournalReading reading = read_journal(path, 1);
+  EXPECT_EQ(reading.state, State::kWhole);
+  EXPECT_GT(reading.num_missing, 10);
+  EXPECT_EQ(reading.num_records + reading.num_missing, 101);
 }
 
 TEST(Journal, AFullDiskKeepsWhatWaitsAndTheFileWhole) {

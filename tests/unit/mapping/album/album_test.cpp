@@ -170,28 +170,6 @@ TEST(Album, HasOneOfEachWhateverTheOrderOfScansAndPictures) {
   }
 }
 
-TEST(Album, GoesOnAsIfItHadNeverEnded) {
-  const Drive drive;
-  Album whole(AlbumConfig{}, rig()), first(AlbumConfig{}, rig());
-  const auto feed = [&drive](Album& album, std::size_t i) {
-    drive.scan(album, i);
-    album.add_picture(drive.pictures[i]);
-  };
-  for (std::size_t i = 0; i < 200; ++i) feed(whole, i);
-  for (std::size_t i = 0; i < 75; ++i) feed(first, i);
-  drive.scan(first, 75);  // one that waits
-  StateArchive taken_apart;
-  first.persist(taken_apart);
-  Album second(AlbumConfig{}, rig());
-  StateArchive reading(taken_apart.bytes());
-  second.persist(reading);
-  EXPECT_EQ(reading.num_left(), 0u);
-  second.add_picture(drive.pictures[75]);
-  for (std::size_t i = 76; i < 200; ++i) feed(second, i);
-  EXPECT_TRUE(bytes_of(photographs_of(second)) == bytes_of(photographs_of(whole)));
-  EXPECT_EQ(second.num_bytes(), whole.num_bytes());
-}
-
 TEST(Album, NeverTakesMoreThanItMay) {
   const Drive drive;
   AlbumConfig config;

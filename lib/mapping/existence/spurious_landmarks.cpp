@@ -8,8 +8,6 @@
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence_odds.hpp"
-#include "mapping/existence/flicker.hpp"
-#include "mapping/existence/sway.hpp"
 #include "mapping/existence/walkers.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
@@ -191,12 +189,10 @@ std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupanc
   std::vector<std::int32_t> strays;
   TrustedScans trusted(map);
   const WalkerTracks walked(map);
-  const SwayTest wind(map);
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
-    if (is_within_another(map, i) || is_of_a_bush(map, i) || is_flickering(map, r) ||
-        wind.sways(r) || walked.is_footprint(r) ||
+    if (is_within_another(map, i) || is_of_a_bush(map, i) || walked.is_footprint(r) ||
         stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
         log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);

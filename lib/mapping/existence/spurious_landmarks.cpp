@@ -17,13 +17,8 @@ namespace {
 
 /// Landmarks with this many observations are not strays.
 constexpr int kStrayObservationsMax = 30;
-/// A landmark that overlaps one with ten times as many observations is a wrong view of it: half
-/// occluded, or two objects seen as one.
-constexpr double kStrayFraction = 0.1;
 /// A bush hides its stem from all but about one of four sides.
 constexpr double kStemFraction = 0.25;
-/// Wider landmarks are not trunks or posts [m]; others may stand within their extent.
-constexpr double kCompactMax_m = 1.5;
 
 /// 1-sigma distance of a landmark from its expected position in a scan of this pose [m].
 double view_sd_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
@@ -122,32 +117,6 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
                   of_absence(before) + of_absence(after) + log_odds_of_return());
 }
 
-double place_sd_m(const LandmarkRecord& r) {
-  return std::sqrt(std::max(0.0f, r.scatter_m2) + 1.0 / std::max(r.association_information, 1e-6f));
-}
-
-/// Whether a landmark overlaps, beyond its position uncertainty, one with many observations. Two
-/// trunks or posts cannot overlap; a tree may stand in a bush.
-bool is_within_another(const MapState& map, std::int32_t index) {
-  const LandmarkRecord& r = map.landmarks[index];
-  if (r.is_clump) return false;
-  const bool may_be_tree = label_of(r, map.config) != detection::Label::kObject;
-  bool is_within = false;
-  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMax_m),
-                     [&](std::int32_t i, const LandmarkRecord& other) {
-                       if (i == index || other.is_clump || other.width_m > kCompactMax_m) return;
-                       if (other.num_all < kStrayObservationsMax) return;  // may be a stray itself
-                       if (r.num_all >= kStrayFraction * other.num_all) return;
-                       if (may_be_tree && label_of(other, map.config) != detection::Label::kTree)
-                         return;
-                       const double apart_m =
-                           (other.association_position() - r.association_position()).norm();
-                       is_within |= apart_m + std::hypot(place_sd_m(r), place_sd_m(other)) <
-                                    0.5 * static_cast<double>(r.width_m + other.width_m);
-                     });
-  return is_within;
-}
-
 /// Whether a landmark is foliage of a bush that looked like a trunk: a real stem in a bush or at
 /// its border is observed in a good part of the scans that observe the bush.
 bool is_of_a_bush(const MapState& map, std::int32_t index) {
@@ -192,7 +161,7 @@ std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupanc
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
-    if (is_within_another(map, i) || is_of_a_bush(map, i) || walked.is_footprint(r) ||
+    if (is_of_a_bush(map, i) || walked.is_footprint(r) ||
         stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
         log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);

@@ -51,29 +51,6 @@ TEST(Mapper, ComposesAsEquations11And12) {
   EXPECT_NEAR(l.y_m, y_robot + r * std::cos(beta), 1e-6);
 }
 
-TEST(Mapper, AViewThatWentWrongIsNoTrunkInsideATrunk) {
-  // Once a thick tree and a branch beside it are cut as one thing, once only a part of it is seen:
-  // no trunk stands within another. A tree that touches it and is seen as often is one.
-  Mapper mapper({});
-  for (int scan = 0; scan < 60; ++scan) {
-    std::vector<Detection> seen{seen_at(4.0, 0.0, Label::kTree, 0.6)};
-    if (scan == 20) seen = {seen_at(4.0, 0.35, Label::kTree, 1.2)};
-    if (scan == 40) seen = {seen_at(3.9, -0.2, Label::kTree, 0.15)};
-    seen.push_back(seen_at(4.0, -0.4, Label::kTree, 0.2));
-    mapper.update(scan_of(std::move(seen), 100000 * scan), {});
-  }
-  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
-  std::vector<Landmark> standing;
-  for (const Landmark& l : mapper.landmarks()) {
-    if (!std::count(strays.begin(), strays.end(), l.id)) standing.push_back(l);
-  }
-  ASSERT_EQ(standing.size(), 2u);
-  EXPECT_EQ(mapper.landmarks().size(), 4u);
-  EXPECT_NEAR(standing[0].width_m, 0.6, 0.03);
-  EXPECT_NEAR(standing[0].y_m, 0.0, 0.01);
-  EXPECT_NEAR(standing[1].y_m, -0.4, 0.01);
-}
-
 TEST(Mapper, ABushIsOneObjectWithItsExtent) {
   // leaves anywhere in a disc of radius 0.4 m, three of them in each scan; a trunk 0.6 m beside it
   std::mt19937_64 random(3);

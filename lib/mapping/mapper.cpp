@@ -12,7 +12,6 @@
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
 #include "mapping/existence/ground_occupancy.hpp"
-#include "mapping/existence/leg_pairs.hpp"
 #include "mapping/existence/spurious_landmarks.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
@@ -217,13 +216,6 @@ std::vector<std::int32_t> Mapper::spurious_ids(GroundOccupancy& ground) const {
   std::vector<std::int32_t> ids = spurious_landmarks(map, ground);
   for (std::int32_t& id : ids) ++id;
   return ids;
-}
-
-std::vector<std::int32_t> Mapper::leg_ids(const std::vector<Landmark>& landmarks,
-                                          bool trusts_camera) const {
-  const MapState& map = impl_->map;
-  return map.config.existence.enabled ? leg_pairs(map, landmarks, trusts_camera)
-                                      : std::vector<std::int32_t>{};
 }
 
 std::size_t Mapper::num_observations() const {

@@ -63,10 +63,6 @@ class Mapper {
   /// `ground`: that of this mapper.
   std::vector<std::int32_t> spurious_ids(GroundOccupancy& ground) const;
 
-  /// Ids of those `landmarks` (of this map) that are legs of people (existence/leg_pairs.hpp).
-  std::vector<std::int32_t> leg_ids(const std::vector<Landmark>& landmarks,
-                                    bool trusts_camera) const;
-
   /// Number of observations that rebuild() would process.
   std::size_t num_observations() const;
 

@@ -40,7 +40,6 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     }
   };
   count("strays_left_out", Omission::kSpurious);
-  count("legs_left_out", Omission::kLeg);
   content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
   content.album_bytes_max = album_.max_bytes();
   content.georeference = georeference();

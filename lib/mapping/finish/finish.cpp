@@ -61,8 +61,8 @@ void join_long(const FinishConfig& config, GroundOccupancy& ground,
 }
 
 /// Numbers and joins the landmarks that exist.
-FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
-                     const std::vector<Landmark>& standing, GroundOccupancy& ground) {
+FinishedMap numbered(const FinishConfig& config, const std::vector<Landmark>& standing,
+                     GroundOccupancy& ground) {
   Ids in_hedges;
   while (true) {
     FinishedMap map;
@@ -76,7 +76,6 @@ FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
       number_landmarks(find_rows(others, config.rows), map.landmarks);
     }
     const std::vector<Landmark> separate = map.landmarks;
-    omit(mapper.leg_ids(map.landmarks, config.has_camera), Omission::kLeg, map.landmarks, map);
     const Ids apart = ids_of(map.landmarks);
     join_long(config, ground, map.landmarks);
     note_missing(apart, map.landmarks, Omission::kPart, map);
@@ -94,7 +93,7 @@ FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOc
   note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
                early);
   omit(mapper.spurious_ids(ground), Omission::kSpurious, standing, early);
-  FinishedMap map = numbered(mapper, config, standing, ground);
+  FinishedMap map = numbered(config, standing, ground);
   map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
   std::sort(map.omitted.begin(), map.omitted.end(),
             [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });

@@ -16,9 +16,9 @@ struct FinishConfig {
   double object_width_max_m = 1.0;  ///< max object width reported by the detector
 };
 
-/// Finishes the map of a drive: leaves out landmarks with few observations, those that never
-/// existed and legs of people, joins long objects, finds rows and numbers, and the ways between
-/// them on ground that the scans saw free. A pure function of the mapper's state.
+/// Finishes the map of a drive: leaves out landmarks with few observations and those that never
+/// existed, joins long objects, finds rows and numbers, and the ways between them on ground that
+/// the scans saw free. A pure function of the mapper's state.
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
 /// a camera, parts of a hedge may be classified as trunks. Parts of hedges that stand in line are

@@ -14,7 +14,6 @@ namespace orchard::mapping {
 enum class Omission {
   kFewObservations,  ///< fewer than mapper.min_observations
   kSpurious,         ///< never existed, judged by all scans
-  kLeg,              ///< of a person
   kPart,             ///< of a long object, which is in the map
 };
 

@@ -10,14 +10,13 @@
 #include "geometry/angles.hpp"
 #include "geometry/indexed_points.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Gaps longer than this, in slots, end a row.
-constexpr int kGapMax_slots = 8;
 /// Objects within this distance tell how densely they stand, in spacings: no neighbour in the row.
 constexpr double kAround_spacings = 0.75;
 /// Lower limit of the spread of planted trees [m].

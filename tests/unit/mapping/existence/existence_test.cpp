@@ -129,64 +129,6 @@ std::vector<Thing> walker_and_rows(double time_s) {
   return things;
 }
 
-/// A person on the robot's right until it is past, then on the way; beside a tree of its own.
-std::vector<Thing> standing_and_rows(double time_s) {
-  std::vector<Thing> things = two_rows();
-  if (time_s < 20.0) {
-    things.push_back({{10.0, -0.9}, 0.13});
-    things.push_back({{10.18, -0.92}, 0.13});
-  }
-  return things;
-}
-
-/// This map's landmarks, those at y = -2 and 2 as trees of rows.
-std::vector<Landmark> with_rows(const Mapper& mapper) {
-  std::vector<Landmark> all = mapper.landmarks();
-  for (Landmark& l : all) {
-    if (std::abs(std::abs(l.y_m) - 2.0) < 0.2) l.row = l.y_m > 0.0 ? 1 : 2;
-  }
-  return all;
-}
-
-TEST(Existence, APersonWhoStoodAsLongAsSeenIsNoLandmarkOfTheMap) {
-  // 22 s: the robot has passed, and cannot see through the place any more
-  MapperConfig config;
-  const auto things = [](double time_s) { return standing_and_rows(std::min(time_s, 15.0)); };
-  const Mapper mapper = drive(1, things, Sees::kBeams, {1e3, 1e3}, config);
-  ASSERT_EQ(num_within(mapper, {9, -1.6}, {11, 1.6}), 2);
-  const std::vector<Landmark> all = with_rows(mapper);
-  const std::vector<std::int32_t> legs = mapper.leg_ids(all, false);
-  ASSERT_EQ(legs.size(), 2u);
-  for (const std::int32_t id : legs) {
-    const auto leg =
-        std::find_if(all.begin(), all.end(), [&](const Landmark& l) { return l.id == id; });
-    EXPECT_NEAR(leg->x_m, 10.09, 0.15);
-    EXPECT_NEAR(leg->y_m, -0.91, 0.1);
-  }
-  EXPECT_TRUE(mapper.leg_ids(all, true).empty()) << "a camera calls them trees";
-  EXPECT_TRUE(mapper.leg_ids(mapper.landmarks(), false).empty()) << "no rows tell what trees do";
-}
-
-TEST(Existence, OneLegIsNoLandmarkThoughTheOtherWasSeenGone) {
-  // one leg is out of sight when the person goes, so that no scan passes through its place
-  const auto things = [](double time_s) {
-    std::vector<Thing> all = two_rows();
-    all.push_back({{10.02, -1.08}, 0.13});
-    if (time_s < 9.0) all.push_back({{10.0, -0.9}, 0.13});
-    return all;
-  };
-  const Mapper mapper = drive(1, things);
-  EXPECT_EQ(mapper.leg_ids(with_rows(mapper), false).size(),
-            static_cast<std::size_t>(num_within(mapper, {9, -1.6}, {11, 1.6})));
-  const auto post = [](double) {
-    std::vector<Thing> all = two_rows();
-    all.push_back({{10.0, -0.9}, 0.13});
-    return all;
-  };
-  const Mapper with_post = drive(1, post);
-  EXPECT_TRUE(with_post.leg_ids(with_rows(with_post), false).empty());
-}
-
 TEST(Existence, WhoWalksBesideTheRobotIsFollowedAlsoWithoutBeams) {
   const Mapper mapper = drive(1, walker_and_rows, Sees::kDetections);
   ASSERT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}), 20);
@@ -201,26 +143,6 @@ TEST(Existence, WhoWalksBesideTheRobotIsFollowedAlsoWithoutBeams) {
     num_left += !is_tree && !is_stray;
   }
   EXPECT_LE(num_left, 2);
-}
-
-TEST(Existence, AThingOfTwoPostsThatStandsLongerThanPeopleDoIsNoPerson) {
-  const auto things = [](double) { return standing_and_rows(0.0); };
-  const Mapper twice = drive(2, things);  // seen from 4 s on and until 78 s
-  EXPECT_EQ(twice.leg_ids(with_rows(twice), false).size(), 2u);
-  const Mapper often = drive(4, things);  // until 166 s
-  EXPECT_TRUE(often.leg_ids(with_rows(often), false).empty());
-}
-
-TEST(Existence, DoubleStemsAreNoPeopleWhereTreesOfRowsHaveThem) {
-  const auto things = [](double) {
-    std::vector<Thing> all = standing_and_rows(0.0);
-    for (const Thing& tree : two_rows()) {
-      if (tree.p.x() < 16.0) all.push_back({tree.p + Vector2d(0.25, 0.0), tree.width_m});
-    }
-    return all;
-  };
-  const Mapper mapper = drive(1, things);
-  EXPECT_TRUE(mapper.leg_ids(with_rows(mapper), false).empty());
 }
 
 TEST(Existence, WhatMostScansOfTheDriveSeeThroughIsStray) {

@@ -8,7 +8,6 @@
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence_odds.hpp"
-#include "mapping/existence/walkers.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
 
@@ -157,12 +156,10 @@ bool stands_on_free_ground(const LandmarkRecord& r, double object_width_max_m,
 std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupancy& ground) {
   std::vector<std::int32_t> strays;
   TrustedScans trusted(map);
-  const WalkerTracks walked(map);
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
-    if (is_of_a_bush(map, i) || walked.is_footprint(r) ||
-        stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
+    if (is_of_a_bush(map, i) || stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
         log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);
     }

@@ -10,8 +10,8 @@
 namespace orchard::mapping {
 
 /// Indices of landmarks that most likely never existed or did not stay, in ascending order: those
-/// with few observations while most scans with a view of their position passed through it; foliage
-/// of a bush; and feet of walkers (walkers.hpp).
+/// with few observations while most scans with a view of their position passed through it, or saw
+/// most of their ground free; and foliage of a bush.
 ///
 /// Run when the map is written, with the same rates as the ExistenceFilter, which only weighs scans
 /// after a landmark's first observation. Landmarks with many observations are left to that filter.

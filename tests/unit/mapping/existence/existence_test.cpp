@@ -129,22 +129,6 @@ std::vector<Thing> walker_and_rows(double time_s) {
   return things;
 }
 
-TEST(Existence, WhoWalksBesideTheRobotIsFollowedAlsoWithoutBeams) {
-  const Mapper mapper = drive(1, walker_and_rows, Sees::kDetections);
-  ASSERT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}), 20);
-  const std::vector<std::int32_t> strays = mapper.spurious_ids(*mapper.ground());
-  int num_left = 0;
-  for (const Landmark& l : mapper.landmarks()) {
-    const bool is_tree = std::abs(std::abs(l.y_m) - 2.0) < 0.2;
-    const bool is_stray = std::binary_search(strays.begin(), strays.end(), l.id);
-    if (is_tree) {
-      EXPECT_FALSE(is_stray) << l.x_m << ", " << l.y_m;
-    }
-    num_left += !is_tree && !is_stray;
-  }
-  EXPECT_LE(num_left, 2);
-}
-
 TEST(Existence, WhatMostScansOfTheDriveSeeThroughIsStray) {
   // twigs that sway into single scans, thin, and as thin stems that stand there
   const auto things = [](double time_s) {

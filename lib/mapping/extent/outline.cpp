@@ -33,11 +33,4 @@ std::vector<Eigen::Vector2d> outline_of(const Landmark& l) {
   return border;
 }
 
-bool is_in_outline(const Landmark& l, const Eigen::Vector2d& p_map) {
-  const Eigen::Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
-  const Eigen::Vector2d arm = p_map - Eigen::Vector2d(l.x_m, l.y_m);
-  const double across_m = arm.dot(Eigen::Vector2d(-along.y(), along.x()));
-  return std::abs(arm.dot(along)) <= 0.5 * l.length_m && std::abs(across_m) <= 0.5 * l.width_m;
-}
-
 }  // namespace orchard::mapping

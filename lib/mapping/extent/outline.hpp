@@ -12,7 +12,4 @@ namespace orchard::mapping {
 /// hedge or wall the area swept by that circle along its length. Empty without a width.
 std::vector<Eigen::Vector2d> outline_of(const Landmark& landmark);
 
-/// Whether a position in map [m] lies in the rectangle of a hedge's or wall's length and width.
-bool is_in_outline(const Landmark& long_object, const Eigen::Vector2d& p_map);
-
 }  // namespace orchard::mapping

@@ -2,14 +2,12 @@
 #include "mapping/finish/finish.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <set>
 #include <utility>
 
 #include "mapping/compare/number_keeping.hpp"
 #include "mapping/extent/long_objects.hpp"
 #include "mapping/extent/stem_scatter.hpp"
-#include "mapping/rows/hedge_rows.hpp"
 #include "mapping/rows/numbered_rows.hpp"
 
 namespace orchard::mapping {
@@ -61,30 +59,15 @@ void join_long(const FinishConfig& config, GroundOccupancy& ground,
 }
 
 /// Numbers and joins the landmarks that exist.
-FinishedMap numbered(const FinishConfig& config, const std::vector<Landmark>& standing,
+FinishedMap numbered(const FinishConfig& config, std::vector<Landmark> standing,
                      GroundOccupancy& ground) {
-  Ids in_hedges;
-  while (true) {
-    FinishedMap map;
-    map.landmarks = standing;
-    if (config.rows.enabled) {
-      std::vector<Landmark> others;
-      std::copy_if(standing.begin(), standing.end(), std::back_inserter(others),
-                   [&](const Landmark& l) {
-                     return !std::binary_search(in_hedges.begin(), in_hedges.end(), l.id);
-                   });
-      number_landmarks(find_rows(others, config.rows), map.landmarks);
-    }
-    const std::vector<Landmark> separate = map.landmarks;
-    const Ids apart = ids_of(map.landmarks);
-    join_long(config, ground, map.landmarks);
-    note_missing(apart, map.landmarks, Omission::kPart, map);
-    if (config.has_camera) return map;
-    const Ids found = trees_of_hedge_rows(separate, map.landmarks);
-    if (found.empty()) return map;
-    in_hedges.insert(in_hedges.end(), found.begin(), found.end());
-    std::sort(in_hedges.begin(), in_hedges.end());
-  }
+  FinishedMap map;
+  map.landmarks = std::move(standing);
+  if (config.rows.enabled) number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
+  const Ids apart = ids_of(map.landmarks);
+  join_long(config, ground, map.landmarks);
+  note_missing(apart, map.landmarks, Omission::kPart, map);
+  return map;
 }
 
 FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOccupancy& ground) {
@@ -93,7 +76,7 @@ FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOc
   note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
                early);
   omit(mapper.spurious_ids(ground), Omission::kSpurious, standing, early);
-  FinishedMap map = numbered(config, standing, ground);
+  FinishedMap map = numbered(config, std::move(standing), ground);
   map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
   std::sort(map.omitted.begin(), map.omitted.end(),
             [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });

@@ -21,8 +21,7 @@ struct FinishConfig {
 /// the scans saw free. A pure function of the mapper's state.
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
-/// a camera, parts of a hedge may be classified as trunks. Parts of hedges that stand in line are
-/// known to be no rows only when the hedge is joined: then the rows are found again without them.
+/// a camera, parts of a hedge may be classified as trunks.
 FinishedMap finish(const Mapper& mapper, const FinishConfig& config);
 
 /// The same without ways, which take most of the time: for a table that is saved every second.

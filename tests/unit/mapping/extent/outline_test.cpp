@@ -49,16 +49,5 @@ TEST(Outline, OfAHedgeIsARectangleWithTwoHalfDiscs) {
   EXPECT_NEAR(area_m2(border), area, 0.01 * area);
 }
 
-TEST(Outline, ContainsThePositionsOfItsLengthAndWidth) {
-  const Landmark hedge = thing_of(0.8, 6.0);
-  const Eigen::Vector2d along(std::cos(0.7), std::sin(0.7)), across(-along.y(), along.x());
-  const Eigen::Vector2d middle(3.0, -2.0);
-  for (const double side : {-1.0, 1.0}) {
-    EXPECT_TRUE(is_in_outline(hedge, middle + side * (2.95 * along + 0.35 * across)));
-    EXPECT_FALSE(is_in_outline(hedge, middle + side * 3.05 * along));
-    EXPECT_FALSE(is_in_outline(hedge, middle + side * 0.45 * across));
-  }
-}
-
 }  // namespace
 }  // namespace orchard::mapping

@@ -6,6 +6,8 @@
 
 #include <random>
 
+#include "unit/central_difference.hpp"
+
 namespace orchard::geometry {
 namespace {
 
@@ -58,30 +60,26 @@ TEST(Pose2, NamedAndVectorFormAreTheSameNumbers) {
   }
 }
 
-TEST(Pose2, JacobiansAreTheFiniteDifferences) {
-  constexpr double kStep = 1e-6;
+TEST(Pose2, JacobiansAreTheCentralDifferences) {
   Draws draw;
   for (int k = 0; k < 20; ++k) {
     const Eigen::Vector3d T_a_b = draw.pose(), T_b_c = 0.1 * draw.pose();
     const Eigen::Vector2d p_b = draw.point();
-    Eigen::Matrix3d first, second;
-    Eigen::Matrix<double, 2, 3> by_pose;
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
-      const auto slope = [&](const Eigen::Vector3d& above, const Eigen::Vector3d& below) {
-        Eigen::Vector3d d = above - below;
-        d.z() = wrap_angle_rad(d.z());
-        return Eigen::Vector3d(d / (2.0 * kStep));
-      };
-      first.col(i) = slope(compose(T_a_b + step, T_b_c), compose(T_a_b - step, T_b_c));
-      second.col(i) = slope(compose(T_a_b, T_b_c + step), compose(T_a_b, T_b_c - step));
-      by_pose.col(i) =
-          (transform(T_a_b + step, p_b) - transform(T_a_b - step, p_b)) / (2.0 * kStep);
-    }
-    EXPECT_NEAR((first - compose_jacobian_first(T_a_b, T_b_c)).norm(), 0.0, 1e-7);
-    EXPECT_NEAR((second - compose_jacobian_second(T_a_b)).norm(), 0.0, 1e-7);
-    const Eigen::Vector2d arm = transform(T_a_b, p_b) - T_a_b.head<2>();
-    EXPECT_NEAR((by_pose - point_jacobian(arm)).norm(), 0.0, 1e-7);
+    // How far the pose moves from where it is: an angle that does not wrap.
+    const auto moved = [&](const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+      Eigen::Vector3d d = compose(first, second) - compose(T_a_b, T_b_c);
+      d.z() = wrap_angle_rad(d.z());
+      return d;
+    };
+    test::expect_jacobian(
+        compose_jacobian_first(T_a_b, T_b_c),
+        [&](const Eigen::VectorXd& x) { return moved(Eigen::Vector3d(x), T_b_c); }, T_a_b);
+    test::expect_jacobian(
+        compose_jacobian_second(T_a_b),
+        [&](const Eigen::VectorXd& x) { return moved(T_a_b, Eigen::Vector3d(x)); }, T_b_c);
+    test::expect_jacobian(
+        point_jacobian(transform(T_a_b, p_b) - T_a_b.head<2>()),
+        [&](const Eigen::VectorXd& x) { return transform(Eigen::Vector3d(x), p_b); }, T_a_b);
   }
 }
 

@@ -400,7 +400,10 @@ double coverage(const Scanner& scanner, double hidden_fraction, int num_seeds, i
   return static_cast<double>(inside) / num_fitted;
 }
 
-TEST(CircleFit, NinetyFivePercentEllipsesHoldTheTruth) {
+// In 95 % of cases 500 draws hold the truth in 93.1 to 96.9 %. Of the nine here two are out of
+// that: 98.0 % (0.0044 rad, whole trunk: stated too large), 92.6 % of 431 (0.0070 rad, hidden by
+// 0.3).
+TEST(CircleFit, NinetyToNinetyEightPercentOfItsEllipsesHoldTheTruth) {
   constexpr int kSeeds = 500;
   for (const Scanner& scanner : {urg(), test::field_scanner(), test::vlp16_slice()}) {
     for (const double hidden : {0.0, 0.3, 0.5}) {

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "calibration/trunks/multinomial_fit.hpp"
 #include "simulation/random.hpp"
+#include "unit/central_difference.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -40,6 +43,60 @@ TEST(MultinomialFit, RecoversTheWeightsThatMadeTheData) {
       EXPECT_LT(se, 0.06);
     }
   }
+}
+
+// At the optimum the slope is zero, and the sandwich's bread is the inverse of the slope's slope:
+// both by central differences of the likelihood as its definition has it.
+TEST(MultinomialFit, SlopeAndHessianAreTheCentralDifferences) {
+  simulation::Random random(13);
+  constexpr int kNum = 60;
+  constexpr double kPenalty = 0.5;
+  MultinomialData data;
+  data.features.resize(2, kNum);
+  for (int i = 0; i < kNum; ++i) {
+    data.features.col(i) = Eigen::Vector2d(1.0, random.normal());
+    data.outcomes.push_back(static_cast<int>(3.0 * random.uniform()));
+    data.clusters.push_back(i / 3);
+  }
+  /// Log likelihood of one cluster, or of all with the penalty.
+  const auto likelihood = [&](const Eigen::VectorXd& w, int cluster) {
+    double sum = 0.0;
+    for (int i = 0; i < kNum; ++i) {
+      if (cluster >= 0 && data.clusters[static_cast<std::size_t>(i)] != cluster) continue;
+      const double a = w.head<2>().dot(data.features.col(i));
+      const double b = w.tail<2>().dot(data.features.col(i));
+      const int outcome = data.outcomes[static_cast<std::size_t>(i)];
+      sum += (outcome == 0   ? a
+              : outcome == 1 ? b
+                             : 0.0) -
+             std::log(1.0 + std::exp(a) + std::exp(b));
+    }
+    return cluster >= 0 ? sum : sum - 0.5 * kPenalty * w.squaredNorm();
+  };
+  const auto slope_of = [&](const Eigen::VectorXd& w, int cluster) -> Eigen::VectorXd {
+    return test::central_difference(
+               [&](const Eigen::VectorXd& x) {
+                 return Eigen::VectorXd::Constant(1, likelihood(x, cluster));
+               },
+               w, 1e-3)
+        .J.row(0)
+        .transpose();
+  };
+  const MultinomialFit fit = fit_multinomial(data, kPenalty);
+  const Eigen::VectorXd w = Eigen::Map<const Eigen::VectorXd>(fit.weights.data(), 4);
+  EXPECT_LT(slope_of(w, -1).norm(), 1e-3);
+  const Eigen::MatrixXd hessian =
+      test::central_difference([&](const Eigen::VectorXd& x) { return slope_of(x, -1); }, w, 1e-3)
+          .J;
+  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(4, 4);
+  for (int cluster = 0; cluster < kNum / 3; ++cluster) {
+    const Eigen::VectorXd score = slope_of(w, cluster);
+    meat += score * score.transpose();
+  }
+  const Eigen::MatrixXd bread = hessian.inverse();
+  const Eigen::VectorXd expected = (bread * meat * bread).diagonal().cwiseSqrt();
+  const Eigen::VectorXd found = Eigen::Map<const Eigen::VectorXd>(fit.standard_errors.data(), 4);
+  EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm());
 }
 
 TEST(MultinomialFit, ACopyOfEachObservationMakesNobodySurer) {

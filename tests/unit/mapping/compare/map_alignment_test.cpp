@@ -8,7 +8,9 @@
 
 #include <algorithm>
 
+#include "unit/central_difference.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
+#include "unit/nees_band.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -110,7 +112,6 @@ TEST(MapAlignment, RobotsThatFractionTwoRowsAreLaidRightAndThoseThatFractionNone
 }
 
 TEST(MapAlignment, CovarianceCoversTheError) {
-  // normalised errors squared of x, y, yaw: mean 3 when the covariance is right
   double sum = 0.0;
   constexpr int kNum = 30;
   for (int seed = 1; seed <= kNum; ++seed) {
@@ -130,8 +131,38 @@ TEST(MapAlignment, CovarianceCoversTheError) {
     const Eigen::Vector3d e = alignment.T_a_b.vector() - truth.vector();
     sum += e.dot(alignment.covariance.inverse() * e) / kNum;
   }
-  EXPECT_GT(sum, 1.5);
-  EXPECT_LT(sum, 4.5);
+  const auto band = orchard::test::nees_band(3, kNum);
+  EXPECT_GT(sum, band.least);
+  EXPECT_LT(sum, band.most);
+}
+
+TEST(MapAlignment, CovarianceIsThatOfTheCentralDifferences) {
+  Dice dice(200);
+  Block block = plant_block(dice, 4, 20);
+  Drive drive;
+  drive.last_alley = 4;
+  drive.along_max_m = 41.0;
+  drive.bend_m = 0.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  drive.T_map_block = {0.7, -0.4, 0.02};
+  const DrivenMap b = drive_through(block, drive, dice);
+  const MapAlignment alignment =
+      align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
+  ASSERT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const LandmarkPair& pair : alignment.pairs) {
+    const Landmark& l = b.landmarks[static_cast<std::size_t>(pair.b)];
+    const auto place = [&](const Eigen::VectorXd& T) {
+      return geometry::transform(Eigen::Vector3d(T), Vector2d(l.x_m, l.y_m));
+    };
+    const Eigen::MatrixXd J = orchard::test::central_difference(place, alignment.T_a_b.vector()).J;
+    information += J.transpose() * J;
+  }
+  // The variance of a pair is estimated: its scale is free, its shape is that of the pairs.
+  const Eigen::Matrix3d shape = information.inverse();
+  const double variance = alignment.covariance(2, 2) / shape(2, 2);
+  EXPECT_GE(variance, alignment.position_sd_m * alignment.position_sd_m * (1.0 - 1e-6));
+  EXPECT_LT((alignment.covariance - variance * shape).norm(), 1e-6 * alignment.covariance.norm());
 }
 
 TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {

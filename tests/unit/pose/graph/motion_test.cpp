@@ -12,24 +12,6 @@ using geometry::compose;
 
 namespace {
 
-RelativeMotion weave(const OdometryCalibration& calibration) {
-  RelativeMotion motion;
-  motion.calibration = calibration;
-  for (int i = 0; i < 50; ++i) motion.drive(1.0, i < 25 ? 0.4 : -0.3, {0.01, 0.0, 0.01}, 0.02);
-  return motion;
-}
-
-TEST(RelativeMotion, DerivativeByTheCalibrationIsThatOfTheMotion) {
-  const RelativeMotion motion = weave(OdometryCalibration::Zero());
-  for (int i = 0; i < 3; ++i) {
-    OdometryCalibration changed = OdometryCalibration::Zero();
-    changed[i] = 1e-4;
-    const Eigen::Vector3d again = weave(changed).delta;
-    EXPECT_LT((again - motion.delta_with(changed)).norm(), 1e-7) << i;
-    EXPECT_GT((again - motion.delta).norm(), 1e-6) << i;
-  }
-}
-
 TEST(RelativeMotion, PartsMakeTheWhole) {
   RelativeMotion first;
   RelativeMotion second;
@@ -47,19 +29,6 @@ TEST(RelativeMotion, PartsMakeTheWhole) {
       compose_covariance(first.delta, first.covariance, second.delta, second.covariance);
   EXPECT_LT((P - both.covariance).norm(), 1e-12);
   EXPECT_NEAR(both.travel_m, 0.65, 1e-3);
-}
-
-// MRPT's composition against the Jacobians of `compose`, whose own test are finite differences.
-TEST(ComposeCovariance, IsThatOfTheJacobians) {
-  const Eigen::Vector3d T_a_b(3.0, -2.0, 2.5), T_b_c(1.5, 0.7, -1.2);
-  const Eigen::Matrix3d A =
-      (Eigen::Matrix3d() << 0.3, 0, 0, -0.1, 0.2, 0, 0.05, 0.02, 0.1).finished();
-  const Eigen::Matrix3d P_ab = A * A.transpose(), P_bc = A.transpose() * A;
-  const Eigen::Matrix3d F = geometry::compose_jacobian_first(T_a_b, T_b_c);
-  const Eigen::Matrix3d G = geometry::compose_jacobian_second(T_a_b);
-  const Eigen::Matrix3d P = compose_covariance(T_a_b, P_ab, T_b_c, P_bc);
-  EXPECT_LT((P - F * P_ab * F.transpose() - G * P_bc * G.transpose()).norm(), 1e-14);
-  EXPECT_EQ(P, P.transpose());
 }
 
 Odometry odometry(double t_s, double speed_mps) {

@@ -54,9 +54,14 @@ class ClearanceTable {
   /// not be seen: no vehicle's centre passes there, and the landmark's border is the limit.
   void limit_to_seen(const LinePoint& at, const FreeSpaceTest& seen_free,
                      std::vector<double>& row) const {
+    const auto matters = [&](int k) {
+      return std::abs(k) <= reach_ && row[index(k)] >= kHalfCorridorMin_m;
+    };
+    // A tested place is two offsets wide: between two of them nothing is left to test.
     std::vector<int> unseen;
     for (int k = -reach_; k <= reach_; ++k) {
-      if (row[index(k)] >= kHalfCorridorMin_m && !seen_free(point(at, k))) unseen.push_back(k);
+      const bool is_covered = k % 2 != 0 && matters(k - 1) && matters(k + 1);
+      if (matters(k) && !is_covered && !seen_free(point(at, k))) unseen.push_back(k);
     }
     for (const int k : unseen) {
       for (int j = -reach_; j <= reach_; ++j) {

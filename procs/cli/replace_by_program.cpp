@@ -21,9 +21,7 @@
 #include "cli/calibrate/calibrate_probability.hpp"
 #include "cli/calibrate/calibrate_trunks.hpp"
 #include "cli/evaluate/evaluate.hpp"
-#include "cli/evaluate/evaluate_detections.hpp"
 #include "cli/evaluate/evaluate_trajectory.hpp"
-#include "cli/evaluate/evaluate_windows.hpp"
 #include "cli/farm/farm_files.hpp"
 #include "cli/farm/farm_run.hpp"
 #include "cli/farm/farm_status.hpp"
@@ -85,7 +83,6 @@ void replace_by_program(const char* program) {
 ORCHARD_RUNS_IN("orchard", run_doctor, DoctorOptions)
 ORCHARD_RUNS_IN("orchard", run_echo, EchoOptions)
 ORCHARD_RUNS_IN("orchard", run_evaluate, EvaluateOptions)
-ORCHARD_RUNS_IN("orchard", run_evaluate_detections, EvaluateDetectionsOptions)
 ORCHARD_RUNS_IN("orchard", run_evaluate_trajectory, EvaluateTrajectoryOptions)
 ORCHARD_RUNS_IN("orchard", run_live, LiveOptions)
 ORCHARD_RUNS_IN("orchard", run_log_check, LogOptions)
@@ -105,7 +102,6 @@ ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_delay, CalibrateDelayOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_laser_camera, CalibrateLaserCameraOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_probability, CalibrateProbabilityOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_trunks, CalibrateTrunksOptions)
-ORCHARD_RUNS_IN("orchard-calibrate", run_evaluate_windows, EvaluateWindowsOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_simulate_board, SimulateOptions)
 
 // Commands for recordings of other systems.

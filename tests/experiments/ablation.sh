@@ -98,7 +98,7 @@ judge() {
     recordings+=("$dir/$seed") looks+=("$out/neutral_$seed.looks.csv")
     truths+=("$out/neutral_$seed.truth.csv")
   done
-  "$orchard" evaluate detections "${recordings[@]}" --observations "${looks[@]}" \
+  "${BUILD:-build}/experiments/evaluate_detections" "${recordings[@]}" --observations "${looks[@]}" \
     --truth "${truths[@]}" >"$dir/report.txt"
   rows+=$(awk -v name="$1" '
     index($0, "per observation ") == 1 && !p { p = $3; r = $4; f = $5 }

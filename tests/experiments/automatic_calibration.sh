@@ -55,7 +55,7 @@ for seed in $(seq "${1:-1}" "${2:-10}"); do
   fi
   for way in auto guided; do
     "$orchard" map "$judge.lcm" --config "$learn.$way.yaml" --out "$judge.$way" --quiet
-    "$orchard" evaluate detections "$judge.$way" --observations "$judge.looks.csv" \
+    "${BUILD:-build}/experiments/evaluate_detections" "$judge.$way" --observations "$judge.looks.csv" \
       --truth "$judge.truth.csv" >"$judge.$way.txt"
     declare "look_$way=$(figure "$judge.$way.txt" 'per observation')"
     declare "mark_$way=$(figure "$judge.$way.txt" 'per landmark')"

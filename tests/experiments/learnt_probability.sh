@@ -36,7 +36,7 @@ for seed in $(seq "${1:-1}" "${2:-10}"); do
   for way in none truth map; do
     "$orchard" map "$judge.lcm" --config "$out/$name.$way.yaml" --out "$out/$name.$way" --quiet \
       2>"$out/$name.$way.notes"
-    "$orchard" evaluate detections "$out/$name.$way" --observations "$judge.looks.csv" \
+    "${BUILD:-build}/experiments/evaluate_detections" "$out/$name.$way" --observations "$judge.looks.csv" \
       --truth "$judge.truth.csv" >"$out/$name.$way.txt"
     figures+=$(awk 'index($0, "per observation") == 1 && !look { look = $5 }
                     index($0, "per landmark") == 1 && !mark { mark = $5 }

@@ -41,7 +41,7 @@ for light in ${LIGHTS:-$orchard_lights}; do
   done
   wait
   report=$out/$light.txt
-  "$orchard" evaluate detections "${recordings[@]}" --observations "${looks[@]}" \
+  "${BUILD:-build}/experiments/evaluate_detections" "${recordings[@]}" --observations "${looks[@]}" \
     --truth "${truths[@]}" >"$report"
   f1=$(figure "$report" "per observation" 5)
   [ -n "$neutral_f1" ] || neutral_f1=$f1

@@ -16,7 +16,7 @@ mkdir -p "$out"
 area() {  # JUDGED MODEL OPTIONS...
   local judged=$1 model=$2
   shift 2
-  "$orchard" evaluate windows --images "$data/images" --masks "$data/masks" --model "$model" --only "$judged" \
+  "${BUILD:-build}/experiments/evaluate_windows" --images "$data/images" --masks "$data/masks" --model "$model" --only "$judged" \
     "$@" 2>/dev/null | awk '$1 == "auc" { print $2; exit }'
 }
 while [ $# -gt 1 ]; do

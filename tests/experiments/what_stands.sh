@@ -62,5 +62,5 @@ for seed in $(seq "$first" "$last"); do
     leafy+=("$stem") looks+=("$stem.looks.csv") truths+=("$stem.truth.csv")
   done
 done
-[ ${#leafy[@]} -eq 0 ] || "$orchard" evaluate detections "${leafy[@]}" --observations "${looks[@]}" \
+[ ${#leafy[@]} -eq 0 ] || "${BUILD:-build}/experiments/evaluate_detections" "${leafy[@]}" --observations "${looks[@]}" \
   --truth "${truths[@]}" | sed -n '3,5p' | tee -a "$out/table.txt"

@@ -5,9 +5,7 @@
 
 #include "cli/add_command.hpp"
 #include "cli/evaluate/evaluate.hpp"
-#include "cli/evaluate/evaluate_detections.hpp"
 #include "cli/evaluate/evaluate_trajectory.hpp"
-#include "cli/evaluate/evaluate_windows.hpp"
 
 namespace orchard::cli {
 
@@ -46,116 +44,6 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
   command.add_flag(
       "--check", o.check,
       "exit code 1 unless each object is found exactly once with its class, and nothing else");
-}
-
-void add_window_options(CLI::App& command, EvaluateWindowsOptions& o) {
-  MaskedPictureOptions& pictures = o.pictures;
-  calibration::MaskWindowOptions& windows = pictures.windows;
-  command.add_option("--images", pictures.picture_folder, "folder of the pictures")
-      ->required()
-      ->type_name("DIR");
-  command
-      .add_option("--masks", pictures.mask_folder,
-                  "masks of the pictures, with the same names and trunks in red")
-      ->required()
-      ->type_name("DIR");
-  command.add_option("--model", o.model_path, "configuration with a learnt detector.appearance")
-      ->required()
-      ->type_name("FILE");
-  command.add_option("--only", pictures.only, "numbers of the pictures to use, such as 020-118");
-  command.add_flag("--json", o.json, "print JSON");
-  command.add_option("--worst", o.worst_path, "also draw the windows with the worst errors")
-      ->type_name("PNG");
-  command
-      .add_option("--per-picture", windows.per_class,
-                  "windows of each kind (on and off trunks) per picture")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command
-      .add_option("--aspect-min", windows.aspect_min, "min ratio of height to width of a window")
-      ->check(CLI::Range(0.1, 20.0))
-      ->capture_default_str();
-  command
-      .add_option("--aspect-max", windows.aspect_max, "max ratio of height to width of a window")
-      ->check(CLI::Range(0.1, 20.0))
-      ->capture_default_str();
-  command.add_option("--width-scale", windows.width_scale, "width of a window in trunk widths")
-      ->check(CLI::Range(0.1, 10.0))
-      ->capture_default_str();
-  command
-      .add_option("--scatter", windows.scatter,
-                  "max random offset of a window, as a fraction of its width")
-      ->check(CLI::Range(0.0, 0.9))
-      ->capture_default_str();
-  command.add_option("--seed", windows.seed, "seed of the positions of the windows")
-      ->capture_default_str();
-  command
-      .add_option("--exposure", o.disturbance.exposure_ev,
-                  "first brighten the pictures by this much [EV]")
-      ->check(CLI::Range(-8.0, 8.0));
-  command
-      .add_option("--red-gain", o.disturbance.red_gain,
-                  "first multiply red by this factor (a wrong white balance)")
-      ->check(CLI::Range(0.1, 10.0));
-  command.add_option("--blue-gain", o.disturbance.blue_gain, "first multiply blue by this factor")
-      ->check(CLI::Range(0.1, 10.0));
-  command.add_option("--blur", o.disturbance.blur_px, "first blur the pictures by this sigma [px]")
-      ->check(CLI::Range(0.0, 100.0));
-}
-
-void add_detections(CLI::App& evaluate, Run& run) {
-  const char* examples =
-      "  orchard simulate --scene orchard --seed 1 --out drive.lcm --truth truth.csv \\\n"
-      "    --observations observations.csv --config config/orchard.yaml\n"
-      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
-      "  orchard evaluate detections out/drive --observations observations.csv --truth truth.csv "
-      "\n"
-      "  orchard evaluate detections noon evening --observations noon.csv evening.csv   (by "
-      "light)\n";
-  add_command<EvaluateDetectionsOptions>(
-      evaluate, run, "detections",
-      "Compare detections with the true observations: precision, recall, F1 and calibration of "
-      "probabilities",
-      examples, run_evaluate_detections, [](CLI::App& command, EvaluateDetectionsOptions& o) {
-        command
-            .add_option("recordings", o.paths,
-                        "map folders with derived.lcm, or logs with DETECTIONS")
-            ->required()
-            ->type_name("FOLDER|LOG...");
-        command
-            .add_option(
-                "--observations", o.observation_paths,
-                "true observations (orchard simulate --observations), one file per recording")
-            ->required()
-            ->type_name("CSV...");
-        command
-            .add_option("--truth", o.truth_paths,
-                        "true objects, one file per recording: also evaluate the landmarks")
-            ->type_name("CSV...");
-        command.add_flag("--json", o.json, "print JSON, with lengths in metres");
-        command
-            .add_option("--range", o.rules.range_max_m,
-                        "evaluate only objects nearer than this [m]")
-            ->check(CLI::Range(0.1, 100.0))
-            ->capture_default_str();
-        command
-            .add_option("--min-beams", o.rules.num_beams_min,
-                        "evaluate only objects hit by at least this many beams")
-            ->check(CLI::Range(1, 10000))
-            ->capture_default_str();
-        command
-            .add_option("--hidden", o.rules.hidden_max,
-                        "evaluate only objects with at most this fraction occluded")
-            ->check(CLI::Range(0.0, 1.0))
-            ->capture_default_str();
-        command
-            .add_option("--gate", o.rules.gate_m, "max distance of a detection from its object [m]")
-            ->check(CLI::Range(0.001, 10.0))
-            ->capture_default_str();
-        command.add_flag("--without-picture", o.without_picture,
-                         "also evaluate objects that are not entirely in a picture (for a rig "
-                         "without a camera)");
-      });
 }
 
 void add_trajectory(CLI::App& evaluate, Run& run) {
@@ -222,10 +110,9 @@ void add_evaluate(CLI::App& app, Run& run) {
       "  orchard evaluate map out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
       "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n"
       "  orchard evaluate map out/drive --truth truth.csv --poses poses.csv --align\n"
-      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
-      "  orchard evaluate windows --images pictures --masks masks --model model.yaml\n";
-  CLI::App& evaluate = add_subcommand(
-      app, "evaluate", "Compare a map, trajectory or detections with the truth", examples);
+      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n";
+  CLI::App& evaluate =
+      add_subcommand(app, "evaluate", "Compare a map or a trajectory with the truth", examples);
   const auto options = std::make_shared<EvaluateOptions>();
   add_map_options(evaluate, *options, false);
   on_command(evaluate, [&run, options] {
@@ -239,15 +126,6 @@ void add_evaluate(CLI::App& app, Run& run) {
       "Compare a map with the truth: objects found, classes, position and width errors", examples,
       run_evaluate,
       [](CLI::App& command, EvaluateOptions& o) { add_map_options(command, o, true); });
-  add_command<EvaluateWindowsOptions>(
-      evaluate, run, "windows",
-      "Measure how well a learnt appearance model separates trunks from background",
-      "  orchard evaluate windows --images pictures --masks masks --model model.yaml --only "
-      "020-118\n"
-      "  orchard evaluate windows --images pictures --masks masks --model model.yaml --json \\\n"
-      "      --exposure -1 --blur 1.5\n",
-      run_evaluate_windows, add_window_options);
-  add_detections(evaluate, run);
   add_trajectory(evaluate, run);
 }
 

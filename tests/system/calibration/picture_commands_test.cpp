@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `orchard calibrate trunks --images` and `orchard evaluate windows`, as people run them.
+// `orchard calibrate trunks --images` and what evaluate_windows finds of it, as people run them.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,6 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace orchard;
+
+/// What evaluate_windows of the experiments prints.
+Outcome windows(const std::string& arguments, bool with_errors = false) {
+  return run(arguments, with_errors, "experiments/evaluate_windows");
+}
 
 class PictureCommands : public testing::Test {
  protected:
@@ -59,9 +64,8 @@ TEST_F(PictureCommands, LearnAModelAndTellHowGoodItIs) {
   EXPECT_TRUE(model.appearance.learnt());
   EXPECT_NE(text_of(in_folder("model.yaml")).find("4 pictures of 4 trees"), std::string::npos);
 
-  const Outcome told = run("evaluate windows" + folders() + "--only 104-105 --json --model " +
-                               in_folder("model.yaml") + " --worst " + in_folder("worst.png"),
-                           false);
+  const Outcome told = windows(folders() + "--only 104-105 --json --model " +
+                               in_folder("model.yaml") + " --worst " + in_folder("worst.png"));
   ASSERT_EQ(told.exit_code, 0) << told.output;
   const auto json = nlohmann::json::parse(told.output);
   EXPECT_GT(json["auc"], 0.99);
@@ -97,29 +101,31 @@ TEST_F(PictureCommands, WhatCannotBeUsedIsNamedAndCounted) {
   ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
   EXPECT_NE(learnt.output.find("101: has no mask"), std::string::npos) << learnt.output;
   EXPECT_NE(learnt.output.find("102.jpg"), std::string::npos);
-  const auto json = nlohmann::json::parse(
-      run("evaluate windows" + folders() + "--json --model " + in_folder("m.yaml"), false).output);
+  const auto json =
+      nlohmann::json::parse(windows(folders() + "--json --model " + in_folder("m.yaml")).output);
   EXPECT_EQ(json["left_out"].size(), 2u);
   EXPECT_EQ(json["pictures"], 3);
 }
 
 TEST_F(PictureCommands, BadInputIsOneSentenceAndExitCode3) {
   const std::string out = in_folder("m.yaml");
-  const auto refused = [&](const std::string& arguments, const std::string& why) {
-    const Outcome outcome = run(arguments);
+  const auto expect_refused = [&](const Outcome& outcome, const std::string& why) {
     EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
     EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     EXPECT_FALSE(fs::exists(out));
+  };
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    expect_refused(run(arguments), why);
   };
   refused("calibrate trunks" + folders() + "--out " + out, "has no picture");
   write_pair(0);
   refused("calibrate trunks" + folders() + "--only 500-600 --out " + out,
           "the numbers go from 100");
   refused("calibrate trunks" + folders() + "--only x --out " + out, "must be picture numbers");
-  refused("evaluate windows" + folders() + "--model " ORCHARD_SOURCE_DIR "/config/tubes.yaml",
-          "has no learnt detector.appearance");
-  refused("evaluate windows" + folders() + "--model " + in_folder("none.yaml"), "cannot be read");
+  expect_refused(windows(folders() + "--model " ORCHARD_SOURCE_DIR "/config/tubes.yaml", true),
+                 "has no learnt detector.appearance");
+  expect_refused(windows(folders() + "--model " + in_folder("none.yaml"), true), "cannot be read");
   cv::imwrite((folder_ / "masks" / "100.png").string(), cv::Mat(10, 10, CV_8UC3, {0, 0, 128}));
   refused("calibrate trunks" + folders() + "--out " + out,
           "a mask must have the size of its picture");
@@ -136,9 +142,8 @@ TEST_F(PictureCommands, CherryTrunksAreToldFromWhatSurroundsThem) {
       run("calibrate trunks" + there + "--quiet --only 000-019 --out " + in_folder("model.yaml"));
   ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
   const auto judged = [&](const std::string& light) {
-    const Outcome told = run("evaluate windows" + there + "--only 020-119 --json --model " +
-                                 in_folder("model.yaml") + light,
-                             false);
+    const Outcome told =
+        windows(there + "--only 020-119 --json --model " + in_folder("model.yaml") + light);
     EXPECT_EQ(told.exit_code, 0);
     return nlohmann::json::parse(told.output);
   };

@@ -18,11 +18,12 @@ struct Outcome {
   std::string output;  ///< standard output, and error where it was asked for
 };
 
-/// Runs `orchard` with arguments as a shell reads them.
-inline Outcome run(const std::string& arguments, bool with_errors = true) {
+/// Runs a program of the build, `orchard` unless named, with arguments as a shell reads them.
+inline Outcome run(const std::string& arguments, bool with_errors = true,
+                   const std::string& program = "bin/orchard") {
   Outcome outcome;
-  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments +
-                              (with_errors ? " 2>&1" : " 2>/dev/null");
+  const std::string command =
+      ORCHARD_BUILD_DIR "/" + program + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return outcome;
   std::array<char, 512> buffer;

@@ -23,9 +23,9 @@ class EvaluateDetections : public CliTest {
     ASSERT_EQ(map(path("drive.lcm")).exit_code, 0);
   }
   Result evaluate(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"evaluate", "detections"};
+    std::vector<std::string> arguments{ORCHARD_BUILD_DIR "/experiments/evaluate_detections"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return orchard(arguments);
+    return run(arguments);
   }
   void expect_refused(const Result& result, const std::string& why) const {
     EXPECT_EQ(result.exit_code, 3) << result.out;

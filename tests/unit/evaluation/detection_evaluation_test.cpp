@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detections/detection_evaluation.hpp"
+#include "experiments/detections/detection_evaluation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "evaluation/detections/detection_report.hpp"
+#include "experiments/detections/detection_report.hpp"
 
 namespace orchard::evaluation {
 namespace {

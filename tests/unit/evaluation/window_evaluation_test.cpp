@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/window_evaluation.hpp"
+#include "experiments/windows/window_evaluation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "evaluation/disturbance.hpp"
+#include "experiments/windows/disturbance.hpp"
 
 namespace orchard::evaluation {
 namespace {

@@ -10,7 +10,7 @@
 #include "calibration/trunks/mask_windows.hpp"
 #include "vision/pixel_block.hpp"
 
-namespace orchard::cli {
+namespace orchard::evaluation {
 
 /// Keeps the worst errors of a model on windows and draws them on one sheet for the user.
 class WorstWindows {
@@ -31,4 +31,4 @@ class WorstWindows {
   std::array<std::vector<Entry>, 2> entries_;  ///< false positives, missed trunks; worst first
 };
 
-}  // namespace orchard::cli
+}  // namespace orchard::evaluation

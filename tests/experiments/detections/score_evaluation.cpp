@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detections/score_evaluation.hpp"
+#include "experiments/detections/score_evaluation.hpp"
 
 #include <algorithm>
 #include <functional>

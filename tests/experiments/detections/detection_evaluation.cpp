@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detections/detection_evaluation.hpp"
+#include "experiments/detections/detection_evaluation.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "evaluation/detections/score_evaluation.hpp"
+#include "experiments/detections/score_evaluation.hpp"
 
 namespace orchard::evaluation {
 namespace {

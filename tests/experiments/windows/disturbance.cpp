@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/disturbance.hpp"
+#include "experiments/windows/disturbance.hpp"
 
 #include <array>
 #include <cmath>

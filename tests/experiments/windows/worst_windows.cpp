@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/evaluate/worst_windows.hpp"
+#include "experiments/windows/worst_windows.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 
-namespace orchard::cli {
+namespace orchard::evaluation {
 namespace {
 
 constexpr int kTile_px = 140;
@@ -78,4 +78,4 @@ void WorstWindows::write(const std::string& path) const {
   io::write_file_atomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
-}  // namespace orchard::cli
+}  // namespace orchard::evaluation

@@ -1,23 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/evaluate/evaluate_detections.hpp"
-
+// evaluate_detections MAP_DIR|DERIVED_LOG... --observations CSV...: compares detections with the
+// true observations of a simulation: precision, recall, F1 and the calibration of probabilities.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "bus/process/process.hpp"
 #include "cli/evaluate/detection_log.hpp"
-#include "evaluation/detections/detection_report.hpp"
+#include "experiments/detections/detection_report.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/observation_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 
-namespace orchard::cli {
+namespace orchard {
 namespace {
 
 namespace fs = std::filesystem;
 using evaluation::ObservationPair;
+
+struct Options {
+  std::vector<std::string> paths;              ///< map folders or logs with detections
+  std::vector<std::string> observation_paths;  ///< truth of each one's scans, in the same order
+  std::vector<std::string> truth_paths;  ///< true objects, one file per path, for the landmarks
+  bool json = false;
+  evaluation::DetectionRules rules;
+  bool without_picture = false;  ///< also count objects outside the picture
+};
 
 /// Observations of all recordings, and the landmarks of those with a truth.
 struct Material {
@@ -29,7 +41,7 @@ struct Material {
   std::vector<evaluation::Forecast> forecasts;
 };
 
-void check_counts(const EvaluateDetectionsOptions& options) {
+void check_counts(const Options& options) {
   if (options.observation_paths.size() != options.paths.size()) {
     throw io::FileError("there are " + std::to_string(options.paths.size()) + " recordings and " +
                         std::to_string(options.observation_paths.size()) +
@@ -42,7 +54,7 @@ void check_counts(const EvaluateDetectionsOptions& options) {
   }
 }
 
-void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
+void add_landmarks(const Options& options, std::size_t i,
                    const std::vector<ObservationPair>& observations, Material& material) {
   const std::string& path = options.paths[i];
   if (!fs::is_directory(path)) {
@@ -61,8 +73,8 @@ void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
   if (options.paths.size() == 1) material.landmarks.trees = result.trees;
 }
 
-void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Material& material) {
-  const auto messages = read_detections(options.paths[i]);
+void add_recording(const Options& options, std::size_t i, Material& material) {
+  const auto messages = cli::read_detections(options.paths[i]);
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
   evaluation::ObservationPairs found =
       evaluation::pair_observations(messages, truth, static_cast<int>(i), {options.rules.gate_m});
@@ -74,7 +86,7 @@ void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Mate
   }
   if (found.num_without_truth > 0) {
     std::fprintf(
-        stderr, "orchard evaluate: warning: %s: %d scans with detections are missing in %s\n",
+        stderr, "evaluate_detections: warning: %s: %d scans with detections are missing in %s\n",
         options.paths[i].c_str(), found.num_without_truth, options.observation_paths[i].c_str());
   }
   if (!options.truth_paths.empty()) add_landmarks(options, i, found.pairs, material);
@@ -85,10 +97,7 @@ void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Mate
                                std::make_move_iterator(found.pairs.end()));
 }
 
-}  // namespace
-
-int run_evaluate_detections(const EvaluateDetectionsOptions& given) {
-  EvaluateDetectionsOptions options = given;
+int evaluate(Options options) {
   options.rules.in_picture = !options.without_picture;
   check_counts(options);
   Material material;
@@ -108,4 +117,43 @@ int run_evaluate_detections(const EvaluateDetectionsOptions& given) {
   return bus::kExitOk;
 }
 
-}  // namespace orchard::cli
+/// Adds an option that must lie in a range; its help names the default.
+template <class Value>
+void add_limit(CLI::App& app, const char* name, Value& value, Value lo, Value hi,
+               const char* what) {
+  app.add_option(name, value, what)->check(CLI::Range(lo, hi))->capture_default_str();
+}
+
+}  // namespace
+}  // namespace orchard
+
+int main(int argc, char** argv) {
+  orchard::Options o;
+  CLI::App app{"Compares detections with the true observations of a simulation.",
+               "evaluate_detections"};
+  app.add_option("recordings", o.paths, "map folders with derived.lcm, or logs with DETECTIONS")
+      ->required();
+  app.add_option("--observations", o.observation_paths,
+                 "true observations (orchard simulate --observations), one file per recording")
+      ->required();
+  app.add_option("--truth", o.truth_paths,
+                 "true objects, one file per recording: also evaluate the landmarks");
+  app.add_flag("--json", o.json, "print JSON, with lengths in metres");
+  orchard::add_limit(app, "--range", o.rules.range_max_m, 0.1, 100.0,
+                     "evaluate only objects nearer than this [m]");
+  orchard::add_limit(app, "--min-beams", o.rules.num_beams_min, 1, 10000,
+                     "evaluate only objects hit by at least this many beams");
+  orchard::add_limit(app, "--hidden", o.rules.hidden_max, 0.0, 1.0,
+                     "evaluate only objects with at most this fraction occluded");
+  orchard::add_limit(app, "--gate", o.rules.gate_m, 0.001, 10.0,
+                     "max distance of a detection from its object [m]");
+  app.add_flag("--without-picture", o.without_picture,
+               "also evaluate objects that are not entirely in a picture");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return orchard::evaluate(o);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "evaluate_detections: %s\n", error.what());
+    return orchard::bus::kExitInput;
+  }
+}

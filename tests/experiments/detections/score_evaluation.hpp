@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "evaluation/detections/detection_evaluation.hpp"
+#include "experiments/detections/detection_evaluation.hpp"
 
 namespace orchard::evaluation {
 

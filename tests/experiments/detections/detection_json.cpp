@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
-#include "evaluation/detections/detection_report.hpp"
 #include "evaluation/error_summary_json.hpp"
+#include "experiments/detections/detection_report.hpp"
 
 namespace orchard::evaluation {
 namespace {

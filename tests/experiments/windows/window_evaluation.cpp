@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/window_evaluation.hpp"
+#include "experiments/windows/window_evaluation.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>

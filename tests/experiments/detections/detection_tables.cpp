@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/core.h>
 
-#include "evaluation/detections/detection_report.hpp"
+#include "experiments/detections/detection_report.hpp"
 
 namespace orchard::evaluation {
 namespace {

@@ -7,7 +7,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace orchard::mapping {
 struct MapAlignmentConfig;
@@ -39,6 +40,21 @@ CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* des
   });
   return command;
 }
+
+/// Adds an option, or an argument where `name` has no dashes, whose help names its values `type`.
+template <class Value>
+CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* type,
+                       const char* description);
+
+/// The same, without which the command is refused.
+template <class Value>
+CLI::Option* add_required(CLI::App& command, const char* name, Value& value, const char* type,
+                          const char* description);
+
+/// Adds an option for a number in [lo, hi], whose help names limits and default.
+template <class Value>
+CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi,
+                         const char* description);
 
 // Functions that add the command groups defined in separate files.
 void add_calibrate(CLI::App& app, Run& run);

@@ -40,28 +40,21 @@ void add_simulate(CLI::App& app, Run& run) {
             ->check(CLI::IsMember({"tubes", "orchard", "park", "yard", "board"}));
         command.add_option("--seed", o.seed, "seed of the layout and of all noise")
             ->capture_default_str();
-        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
-        command
-            .add_option("--truth", o.truth_path,
-                        "also write the true objects (position, width, class)")
-            ->type_name("CSV");
-        command.add_option("--poses", o.poses_path, "also write the true poses of the robot")
-            ->type_name("CSV");
-        command
-            .add_option("--observations", o.observations_path,
-                        "also write the objects that each scan observes, with range and occlusion")
-            ->type_name("CSV");
-        command
-            .add_option("--config", o.config_path, "configuration of the rig [that of the scene]")
-            ->type_name("FILE");
-        command.add_option("--from", o.from_s, "start the log this many seconds into the scene")
-            ->check(CLI::NonNegativeNumber)
-            ->type_name("S");
-        command
-            .add_option("--duration", o.duration_s,
-                        "length of the log in seconds; 0 = the whole scene")
-            ->check(CLI::NonNegativeNumber)
-            ->type_name("S");
+        add_required(command, "--out", o.out_path, "LOG", "log to write");
+        add_value(command, "--truth", o.truth_path, "CSV",
+                  "also write the true objects (position, width, class)");
+        add_value(command, "--poses", o.poses_path, "CSV",
+                  "also write the true poses of the robot");
+        add_value(command, "--observations", o.observations_path, "CSV",
+                  "also write the objects that each scan observes, with range and occlusion");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "configuration of the rig [that of the scene]");
+        add_value(command, "--from", o.from_s, "S",
+                  "start the log this many seconds into the scene")
+            ->check(CLI::NonNegativeNumber);
+        add_value(command, "--duration", o.duration_s, "S",
+                  "length of the log in seconds; 0 = the whole scene")
+            ->check(CLI::NonNegativeNumber);
       });
 }
 
@@ -82,35 +75,24 @@ void add_import(CLI::App& app, Run& run) {
       "parts are\n"
       "skipped and reported.\n",
       run_import, [](CLI::App& command, ImportOptions& o) {
-        command
-            .add_option("source", o.source_paths,
-                        "bags of one drive (.bag, .mcap, .db3 or a rosbag2 folder), recording "
-                        "folder, MRPT rawlog, or LCM log with libbot's types")
-            ->required()
-            ->type_name("BAG...|FOLDER|RAWLOG|LOG");
-        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
-        command
-            .add_option("--config", o.config_path,
-                        "rig whose section drivers.bot_core names the channels of a libbot log")
-            ->type_name("FILE");
-        command
-            .add_option("--topic", o.topics,
-                        "topic to read this kind from; none = leave the kind out")
-            ->type_name("KIND=TOPIC")
+        add_required(command, "source", o.source_paths, "BAG...|FOLDER|RAWLOG|LOG",
+                     "bags of one drive (.bag, .mcap, .db3 or a rosbag2 folder), recording "
+                     "folder, MRPT rawlog, or LCM log with libbot's types");
+        add_required(command, "--out", o.out_path, "LOG", "log to write");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig whose section drivers.bot_core names the channels of a libbot log");
+        add_value(command, "--topic", o.topics, "KIND=TOPIC",
+                  "topic to read this kind from; none = leave the kind out")
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-        command
-            .add_option("--slice-height", o.slice_height_m,
-                        "height of the middle of the slice above the origin of the cloud's frame")
+        add_value(command, "--slice-height", o.slice_height_m, "M",
+                  "height of the middle of the slice above the origin of the cloud's frame")
             ->check(CLI::Range(-100.0, 100.0))
-            ->capture_default_str()
-            ->type_name("M");
-        command
-            .add_option("--slice-thickness", o.slice_thickness_m,
-                        "thickness of the slice of a point cloud")
+            ->capture_default_str();
+        add_value(command, "--slice-thickness", o.slice_thickness_m, "M",
+                  "thickness of the slice of a point cloud")
             ->check(CLI::Range(0.001, 100.0))
-            ->capture_default_str()
-            ->type_name("M");
+            ->capture_default_str();
       });
 }
 
@@ -129,34 +111,24 @@ void add_map(CLI::App& app, Run& run) {
       "mapped,\n"
       "with warnings; --strict refuses it.\n",
       run_map, [](CLI::App& command, MapOptions& o) {
-        command
-            .add_option("log", o.log_paths, "log to map, or the parts of a split log, in any order")
-            ->required()
-            ->type_name("LOG...");
-        command
-            .add_option("--config", o.config_path,
-                        "rig to use instead of the one in the log; needed for a log without CONFIG")
-            ->type_name("FILE");
-        command
-            .add_option("--out", o.out_folder, "folder for the map; created if it does not exist")
-            ->required()
-            ->type_name("DIR");
-        command
-            .add_option("--previous", o.previous_path,
-                        "map of an earlier drive; landmarks found again keep their id and number")
-            ->type_name("FOLDER|CSV");
+        add_required(command, "log", o.log_paths, "LOG...",
+                     "log to map, or the parts of a split log, in any order");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to use instead of the one in the log; needed for a log without CONFIG");
+        add_required(command, "--out", o.out_folder, "DIR",
+                     "folder for the map; created if it does not exist");
+        add_value(command, "--previous", o.previous_path, "FOLDER|CSV",
+                  "map of an earlier drive; landmarks found again keep their id and number");
         add_alignment_options(command, o.previous_alignment);
         command.add_flag("--strict", o.strict, "refuse a damaged log (exit code 3)");
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
         command.add_flag("--no-derived", o.no_derived,
                          "do not write derived.lcm, the log of all intermediate messages (twice "
                          "the size of the input)");
-        command
-            .add_option("--jobs", o.num_jobs,
-                        "number of threads; 0 = one per core; the output does not depend on it")
+        add_value(command, "--jobs", o.num_jobs, "N",
+                  "number of threads; 0 = one per core; the output does not depend on it")
             ->check(CLI::Range(0, 256))
-            ->capture_default_str()
-            ->type_name("N");
+            ->capture_default_str();
         command.add_flag("--timing", o.timing, "print CPU time and memory per thousand scans");
       });
 }
@@ -165,12 +137,10 @@ void add_log(CLI::App& app, Run& run) {
   CLI::App* log = app.add_subcommand("log", "Inspect, check, repair or convert a log");
   log->require_subcommand(1);
   const auto add_path = [](CLI::App& command, LogOptions& o) {
-    command.add_option("log", o.log_path, "log to read")->required()->type_name("LOG");
+    add_required(command, "log", o.log_path, "LOG", "log to read");
   };
   const auto add_paths = [](CLI::App& command, LogOptions& o) {
-    command.add_option("log", o.log_paths, "log to read, or the parts of a split log")
-        ->required()
-        ->type_name("LOG...");
+    add_required(command, "log", o.log_paths, "LOG...", "log to read, or the parts of a split log");
     command.add_flag("--json", o.json, "print JSON");
   };
   const auto add_survey = [add_path](CLI::App& command, LogOptions& o) {
@@ -193,16 +163,15 @@ void add_log(CLI::App& app, Run& run) {
       "  orchard log config drive.lcm --process orchard-detector     (where processes differ)\n",
       run_log_config, [&](CLI::App& command, LogOptions& o) {
         add_path(command, o);
-        command.add_option("--process", o.process, "configuration of this process")
-            ->type_name("NAME");
+        add_value(command, "--process", o.process, "NAME", "configuration of this process");
       });
-  add_command<LogOptions>(
-      *log, run, "repair", "Copy every readable message of a damaged log to a new log",
-      "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
-      [&](CLI::App& command, LogOptions& o) {
-        add_path(command, o);
-        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
-      });
+  add_command<LogOptions>(*log, run, "repair",
+                          "Copy every readable message of a damaged log to a new log",
+                          "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
+                          [&](CLI::App& command, LogOptions& o) {
+                            add_path(command, o);
+                            add_required(command, "--out", o.out_path, "LOG", "log to write");
+                          });
   add_command<LogMcapOptions>(
       *log, run, "mcap", "Convert a log to MCAP, for Foxglove and Lichtblick",
       "  orchard log mcap drive.lcm --map out/drive --out drive.mcap\n"
@@ -211,16 +180,12 @@ void add_log(CLI::App& app, Run& run) {
       "those of the finished map; without it, the messages POSE, MAP and DETECTIONS of the log, if "
       "any.\n",
       run_log_mcap, [](CLI::App& command, LogMcapOptions& o) {
-        command.add_option("log", o.log_paths, "log to convert, or the parts of a split log")
-            ->required()
-            ->type_name("LOG...");
-        command.add_option("--map", o.map_path, "finished map of this log")
-            ->type_name("FOLDER|CSV");
-        command
-            .add_option("--config", o.config_path,
-                        "rig to use instead of the one in the log; needed for a log without CONFIG")
-            ->type_name("FILE");
-        command.add_option("--out", o.out_path, "file to write")->required()->type_name("MCAP");
+        add_required(command, "log", o.log_paths, "LOG...",
+                     "log to convert, or the parts of a split log");
+        add_value(command, "--map", o.map_path, "FOLDER|CSV", "finished map of this log");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to use instead of the one in the log; needed for a log without CONFIG");
+        add_required(command, "--out", o.out_path, "MCAP", "file to write");
       });
   log->footer(
       "Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"
@@ -239,31 +204,19 @@ void add_overlay(CLI::App& app, Run& run) {
       "(cyan), and\n"
       "the confidences (below).\n",
       run_overlay, [](CLI::App& command, OverlayOptions& o) {
-        command.add_option("log", o.log_path, "log with SCAN and IMAGE")
-            ->required()
-            ->type_name("LOG");
-        command
-            .add_option("--at", o.at,
-                        "seconds since the start of the log, or a utime [us]; draws the nearest "
-                        "pair of scan and picture")
-            ->required()
-            ->type_name("TIME");
-        command
-            .add_option("--config", o.config_path,
-                        "rig to use instead of the one in the log; needed for a log without CONFIG")
-            ->type_name("FILE");
-        command.add_option("--out", o.out_path, "picture to write")
-            ->required()
-            ->type_name("SVG|PNG|PDF");
+        add_required(command, "log", o.log_path, "LOG", "log with SCAN and IMAGE");
+        add_required(command, "--at", o.at, "TIME",
+                     "seconds since the start of the log, or a utime [us]; draws the nearest "
+                     "pair of scan and picture");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to use instead of the one in the log; needed for a log without CONFIG");
+        add_required(command, "--out", o.out_path, "SVG|PNG|PDF", "picture to write");
       });
 }
 
 void add_lcm_url(CLI::App& command, std::string& url) {
-  command
-      .add_option(
-          "--lcm-url", url,
-          "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
-      ->type_name("URL");
+  add_value(command, "--lcm-url", url, "URL",
+            "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]");
 }
 
 void add_echo(CLI::App& app, Run& run) {
@@ -273,16 +226,13 @@ void add_echo(CLI::App& app, Run& run) {
       "  orchard echo SCAN --count 1 --json\n"
       "  orchard echo STATUS --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n",
       run_echo, [](CLI::App& command, EchoOptions& o) {
-        command.add_option("channel", o.channel, "name of the channel, such as DETECTIONS")
-            ->required()
-            ->type_name("CHANNEL");
+        add_required(command, "channel", o.channel, "CHANNEL",
+                     "name of the channel, such as DETECTIONS");
         command.add_flag("--json", o.json, "print one JSON object per message");
-        command.add_option("--count", o.count, "stop after this many messages; 0 = at Ctrl-C")
-            ->check(CLI::NonNegativeNumber)
-            ->type_name("N");
+        add_value(command, "--count", o.count, "N", "stop after this many messages; 0 = at Ctrl-C")
+            ->check(CLI::NonNegativeNumber);
         add_lcm_url(command, o.lcm_url);
-        command.add_option("--config", o.config_path, "rig whose LCM network is used")
-            ->type_name("FILE");
+        add_value(command, "--config", o.config_path, "FILE", "rig whose LCM network is used");
       });
 }
 
@@ -296,8 +246,7 @@ void add_doctor(CLI::App& app, Run& run) {
       "Mapper and clocks that differ. Exit code 1 if messages cannot get through.\n",
       run_doctor, [](CLI::App& command, DoctorOptions& o) {
         add_lcm_url(command, o.lcm_url);
-        command.add_option("--config", o.config_path, "rig whose LCM network is used")
-            ->type_name("FILE");
+        add_value(command, "--config", o.config_path, "FILE", "rig whose LCM network is used");
         command.add_flag("--json", o.json, "print JSON");
       });
 }

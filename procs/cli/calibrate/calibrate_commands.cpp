@@ -14,10 +14,8 @@ namespace orchard::cli {
 namespace {
 
 void add_rig_to_write(CLI::App& command, std::string& out_path) {
-  command
-      .add_option("--out", out_path,
-                  "configuration to write [that of --config; its old version is kept as .bak]")
-      ->type_name("FILE");
+  add_value(command, "--out", out_path, "FILE",
+            "configuration to write [that of --config; its old version is kept as .bak]");
 }
 
 void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::string& kind) {
@@ -61,31 +59,19 @@ void add_camera(CLI::App& calibrate, Run& run) {
        "(plumb_bob) and OpenCV YAML instead.\n")
           .c_str(),
       run_calibrate_camera, [](CLI::App& command, CalibrateCameraOptions& o) {
-        command
-            .add_option("pictures", o.paths,
-                        "JPEG or PNG files, folders of them, or one log with IMAGE messages")
-            ->type_name("PICTURES...|LOG");
-        command
-            .add_option("--import", o.import_path,
-                        "import the result of another tool instead of pictures")
-            ->type_name("FILE");
+        add_value(command, "pictures", o.paths, "PICTURES...|LOG",
+                  "JPEG or PNG files, folders of them, or one log with IMAGE messages");
+        add_value(command, "--import", o.import_path, "FILE",
+                  "import the result of another tool instead of pictures");
         add_board_options(command, o.board, o.board_kind);
-        command.add_option("--config", o.config_path, "rig whose configuration is updated")
-            ->type_name("FILE");
-        command
-            .add_option("--out", o.out_path,
-                        "configuration to write [that of --config; its old version is kept as "
-                        ".bak]; without both options nothing is written")
-            ->type_name("FILE");
-        command
-            .add_option("--coverage", o.coverage_path,
-                        "draw the corners found and their distance from the model")
-            ->type_name("SVG|PNG|PDF");
-        command
-            .add_option("--max-views", o.max_views,
-                        "use at most this many views, the most different ones")
-            ->check(CLI::Range(3, 200))
-            ->capture_default_str();
+        add_value(command, "--config", o.config_path, "FILE", "rig whose configuration is updated");
+        add_value(command, "--out", o.out_path, "FILE",
+                  "configuration to write [that of --config; its old version is kept as "
+                  ".bak]; without both options nothing is written");
+        add_value(command, "--coverage", o.coverage_path, "SVG|PNG|PDF",
+                  "draw the corners found and their distance from the model");
+        add_limited(command, "--max-views", o.max_views, 3, 200,
+                    "use at most this many views, the most different ones");
         command.add_flag("--k3", o.estimate_k3,
                          "also estimate k3, for wide lenses and pictures wider than 640 pixels");
         command.add_flag("--force", o.force,
@@ -105,13 +91,9 @@ void add_calibrate_delay(CLI::App& calibrate, Run& run) {
       "Measure the delay from the exposure of a picture to its time stamp and write it into the "
       "rig's YAML",
       kDelayExamples, run_calibrate_delay, [](CLI::App& command, CalibrateDelayOptions& o) {
-        command
-            .add_option("logs", o.log_paths, "logs of drives in curves to both sides past trunks")
-            ->required()
-            ->type_name("LOG...");
-        command.add_option("--config", o.config_path, "rig of the recordings")
-            ->required()
-            ->type_name("FILE");
+        add_required(command, "logs", o.log_paths, "LOG...",
+                     "logs of drives in curves to both sides past trunks");
+        add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
@@ -128,21 +110,13 @@ void add_appearance(CLI::App& calibrate, Run& run) {
       "Learn the appearance of trunks from drives with a known truth and write it into the rig's "
       "YAML",
       examples, run_calibrate_appearance, [](CLI::App& command, CalibrateAppearanceOptions& o) {
-        command.add_option("logs", o.log_paths, "logs of drives, with scans and pictures")
-            ->required()
-            ->type_name("LOG...");
-        command
-            .add_option("--observations", o.observation_paths,
-                        "true observations (orchard simulate --observations), one file per log")
-            ->required()
-            ->type_name("CSV...");
-        command.add_option("--config", o.config_path, "rig of the recordings")
-            ->required()
-            ->type_name("FILE");
+        add_required(command, "logs", o.log_paths, "LOG...",
+                     "logs of drives, with scans and pictures");
+        add_required(command, "--observations", o.observation_paths, "CSV...",
+                     "true observations (orchard simulate --observations), one file per log");
+        add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
-        command.add_option("--stride", o.stride, "use only every Nth scan")
-            ->check(CLI::Range(1, 1000))
-            ->capture_default_str();
+        add_limited(command, "--stride", o.stride, 1, 1000, "use only every Nth scan");
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
@@ -161,32 +135,23 @@ void add_probability(CLI::App& calibrate, Run& run) {
       "Calibrate the probabilities of tree and object from logs with a known truth, or from maps "
       "whose trees a person picked, and write them into the rig's YAML",
       examples, run_calibrate_probability, [](CLI::App& command, CalibrateProbabilityOptions& o) {
-        command
-            .add_option("logs", o.log_paths,
-                        "logs of drives; the detector is run on logs with scans, otherwise the "
-                        "logged detections are used")
-            ->required()
-            ->type_name("LOG...");
+        add_required(command, "logs", o.log_paths, "LOG...",
+                     "logs of drives; the detector is run on logs with scans, otherwise the "
+                     "logged detections are used");
         CLI::Option* observations =
-            command
-                .add_option("--observations", o.observation_paths,
-                            "true observations (orchard simulate --observations), one file per log")
-                ->type_name("CSV...");
+            add_value(command, "--observations", o.observation_paths, "CSV...",
+                      "true observations (orchard simulate --observations), one file per log");
         CLI::Option* map =
-            command
-                .add_option("--map", o.map_folders,
-                            "instead of --observations: maps of the logs (orchard map), one per "
-                            "log; learnt are their classes as corrected with orchard edit")
-                ->excludes(observations)
-                ->type_name("DIR...");
+            add_value(command, "--map", o.map_folders, "DIR...",
+                      "instead of --observations: maps of the logs (orchard map), one per "
+                      "log; learnt are their classes as corrected with orchard edit")
+                ->excludes(observations);
         command
             .add_option("--ids", o.ids,
                         "ids of the landmarks of a single map that are trees, all others being "
                         "objects: 4,8,10-31")
             ->needs(map);
-        command.add_option("--config", o.config_path, "rig of the recordings")
-            ->required()
-            ->type_name("FILE");
+        add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
         command.parse_complete_callback([&o] {
@@ -221,22 +186,15 @@ void add_calibrate(CLI::App& app, Run& run) {
       "Measure the width, hue and appearance of trunks from logs or masked pictures and write them "
       "into the rig's YAML",
       examples, run_calibrate_trunks, [](CLI::App& command, CalibrateTrunksOptions& o) {
-        command.add_option("logs", o.log_paths, "logs of drives past trunks of one kind")
-            ->type_name("LOG...");
-        command
-            .add_option("--config", o.config_path,
-                        "rig of the recordings; with --images optional [built-in defaults]")
-            ->type_name("FILE");
+        add_value(command, "logs", o.log_paths, "LOG...", "logs of drives past trunks of one kind");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig of the recordings; with --images optional [built-in defaults]");
         MaskedPictureOptions& pictures = o.pictures;
-        CLI::Option* images = command
-                                  .add_option("--images", pictures.picture_folder,
-                                              "learn the appearance from pictures instead of logs")
-                                  ->type_name("DIR");
-        command
-            .add_option("--masks", pictures.mask_folder,
-                        "masks of the pictures, with the same names and trunks in red")
-            ->needs(images)
-            ->type_name("DIR");
+        CLI::Option* images = add_value(command, "--images", pictures.picture_folder, "DIR",
+                                        "learn the appearance from pictures instead of logs");
+        add_value(command, "--masks", pictures.mask_folder, "DIR",
+                  "masks of the pictures, with the same names and trunks in red")
+            ->needs(images);
         command
             .add_option("--only", pictures.only, "numbers of the pictures to use, such as 000-019")
             ->needs(images);
@@ -248,39 +206,30 @@ void add_calibrate(CLI::App& app, Run& run) {
             {"auto", ColourChoice::kAuto},
             {"hue_interval", ColourChoice::kHueInterval},
             {"appearance", ColourChoice::kAppearance}};
-        command
-            .add_option("--colour-model", o.colour_model,
-                        "hue_interval, appearance, or auto: the better one of both")
-            ->transform(CLI::CheckedTransformer(choices))
-            ->type_name("MODEL");
+        add_value(command, "--colour-model", o.colour_model, "MODEL",
+                  "hue_interval, appearance, or auto: the better one of both")
+            ->transform(CLI::CheckedTransformer(choices));
         const std::map<std::string, DecisionChoice> decisions{
             {"auto", DecisionChoice::kAuto},
             {"roc", DecisionChoice::kRoc},
             {"probability", DecisionChoice::kProbability}};
-        command
-            .add_option("--decision", o.decision,
-                        "how the detector decides: roc, as the paper, probability, with weights "
-                        "learnt here, or auto: the one with fewer errors on left-out objects")
-            ->transform(CLI::CheckedTransformer(decisions))
-            ->type_name("DECISION");
-        CLI::Option* list =
-            command
-                .add_option(
-                    "--list", o.list_folder,
-                    "only write a page with a picture of each object found, to choose trunks from")
-                ->type_name("DIR");
+        add_value(command, "--decision", o.decision, "DECISION",
+                  "how the detector decides: roc, as the paper, probability, with weights "
+                  "learnt here, or auto: the one with fewer errors on left-out objects")
+            ->transform(CLI::CheckedTransformer(decisions));
+        CLI::Option* list = add_value(
+            command, "--list", o.list_folder, "DIR",
+            "only write a page with a picture of each object found, to choose trunks from");
         CLI::Option* trees =
             command
                 .add_option("--trees", o.trees,
                             "numbers of all trunks on the page of --list, the rest being something "
                             "else: 3,7,9-20")
                 ->excludes(list);
-        CLI::Option* map = command
-                               .add_option("--map", o.map_folder,
-                                           "map of the log, to choose its landmarks by --ids")
+        CLI::Option* map = add_value(command, "--map", o.map_folder, "DIR",
+                                     "map of the log, to choose its landmarks by --ids")
                                ->excludes(list)
-                               ->excludes(trees)
-                               ->type_name("DIR");
+                               ->excludes(trees);
         CLI::Option* ids =
             command.add_option("--ids", o.ids,
                                "ids of all landmarks of --map that are trunks, the rest being "

@@ -20,16 +20,11 @@ void add_calibrate_laser_camera(CLI::App& calibrate, Run& run) {
       "back.\n"
       "Output: camera.delta_m and camera.phi_rad of the rig.\n",
       run_calibrate_laser_camera, [](CLI::App& command, CalibrateLaserCameraOptions& o) {
-        command.add_option("log", o.log_path, "log of the board in view of laser and camera")
-            ->type_name("LOG");
-        command.add_option("--config", o.config_path, "rig of the recording")
-            ->required()
-            ->type_name("FILE");
-        command
-            .add_option(
-                "--out", o.out_path,
-                "configuration to write [that of --config; its old version is kept as .bak]")
-            ->type_name("FILE");
+        add_value(command, "log", o.log_path, "LOG",
+                  "log of the board in view of laser and camera");
+        add_required(command, "--config", o.config_path, "FILE", "rig of the recording");
+        add_value(command, "--out", o.out_path, "FILE",
+                  "configuration to write [that of --config; its old version is kept as .bak]");
         command.add_option("--board", o.board_kind, "pattern of the board: chessboard or charuco")
             ->check(CLI::IsMember({"chessboard", "charuco"}))
             ->capture_default_str();
@@ -41,40 +36,28 @@ void add_calibrate_laser_camera(CLI::App& calibrate, Run& run) {
             .add_option("--rows", o.board.rows,
                         "inner corners (chessboard) or squares (charuco) per column")
             ->capture_default_str();
-        command
-            .add_option("--square-m", o.board.square_m, "side of a square, measured with a ruler")
-            ->type_name("M")
+        add_value(command, "--square-m", o.board.square_m, "M",
+                  "side of a square, measured with a ruler")
             ->capture_default_str();
-        command.add_option("--marker-m", o.board.marker_m, "side of a charuco marker")
-            ->type_name("M")
+        add_value(command, "--marker-m", o.board.marker_m, "M", "side of a charuco marker")
             ->capture_default_str();
         command.add_option("--dictionary", o.board.dictionary, "dictionary of the charuco markers")
             ->capture_default_str();
         CLI::Option* width =
-            command
-                .add_option("--board-width-m", o.board_width_m,
-                            "outer width of the whole board, with the pattern in its middle")
-                ->check(CLI::PositiveNumber)
-                ->type_name("M");
-        CLI::Option* height =
-            command
-                .add_option("--board-height-m", o.board_height_m, "outer height of the whole board")
-                ->check(CLI::PositiveNumber)
-                ->type_name("M");
+            add_value(command, "--board-width-m", o.board_width_m, "M",
+                      "outer width of the whole board, with the pattern in its middle")
+                ->check(CLI::PositiveNumber);
+        CLI::Option* height = add_value(command, "--board-height-m", o.board_height_m, "M",
+                                        "outer height of the whole board")
+                                  ->check(CLI::PositiveNumber);
         width->needs(height);
         height->needs(width);
-        command
-            .add_option("--max-views", o.max_views,
-                        "use at most this many views, the most different ones")
-            ->check(CLI::Range(6, 200))
-            ->capture_default_str();
+        add_limited(command, "--max-views", o.max_views, 6, 200,
+                    "use at most this many views, the most different ones");
         command.add_flag("--any-mount", o.any_mount,
                          "accept a result that contradicts the extrinsics stated in the YAML");
-        command
-            .add_option(
-                "--import", o.import_path,
-                "import delta and phi as printed by Kassir and Peynot's toolbox, instead of LOG")
-            ->type_name("FILE");
+        add_value(command, "--import", o.import_path, "FILE",
+                  "import delta and phi as printed by Kassir and Peynot's toolbox, instead of LOG");
         command
             .add_option("--axes", o.import_axes,
                         "axes of the laser in the imported file: toolbox (x left, y up, z forward) "

@@ -12,33 +12,22 @@ namespace orchard::cli {
 namespace {
 
 void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
-  command.add_option("map", o.map_path, "map folder, or its map.csv")
-      ->required(required)
-      ->type_name("FOLDER|CSV");
-  command.add_option("--truth", o.truth_path, "true objects: class,x_m,y_m,width_m")
-      ->required(required)
-      ->type_name("CSV");
-  command
-      .add_option("--poses", o.poses_path,
-                  "true poses: also evaluate the trajectory.csv beside the map")
-      ->type_name("CSV");
-  command.add_option("--gate", o.gate_m, "max distance of a landmark from its object [m]")
-      ->check(CLI::Range(0.001, 100.0))
-      ->capture_default_str();
+  add_value(command, "map", o.map_path, "FOLDER|CSV", "map folder, or its map.csv")
+      ->required(required);
+  add_value(command, "--truth", o.truth_path, "CSV", "true objects: class,x_m,y_m,width_m")
+      ->required(required);
+  add_value(command, "--poses", o.poses_path, "CSV",
+            "true poses: also evaluate the trajectory.csv beside the map");
+  add_limited(command, "--gate", o.gate_m, 0.001, 100.0,
+              "max distance of a landmark from its object [m]");
   auto* align = command.add_flag(
       "--align", o.align,
       "align the map with the truth on its trees first (for a map without absolute position)");
-  command
-      .add_option("--align-offset", o.search.offset_max_m,
-                  "max offset of the middle of the map [m]; --poses narrows the search")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str()
+  add_limited(command, "--align-offset", o.search.offset_max_m, 0.0, 100.0,
+              "max offset of the middle of the map [m]; --poses narrows the search")
       ->needs(align);
-  command
-      .add_option("--align-turn", o.search.turn_max_rad,
-                  "max rotation of the map about its middle [rad]")
-      ->check(CLI::Range(0.0, 3.15))
-      ->capture_default_str()
+  add_limited(command, "--align-turn", o.search.turn_max_rad, 0.0, 3.15,
+              "max rotation of the map about its middle [rad]")
       ->needs(align);
   command.add_flag("--json", o.json, "print JSON, with lengths in metres");
   command.add_flag(
@@ -59,14 +48,10 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
       "from trajectory.tum. The truth may have gaps and\n"
       "may lack headings; it is interpolated to the time of each pose, but not across a gap.\n",
       run_evaluate_trajectory, [](CLI::App& command, EvaluateTrajectoryOptions& o) {
-        command.add_option("trajectory", o.trajectory_path, "map folder, or its trajectory.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command
-            .add_option("--truth", o.truth_path,
-                        "true poses: utime_us,x_m,y_m and optionally yaw_rad")
-            ->required()
-            ->type_name("CSV");
+        add_required(command, "trajectory", o.trajectory_path, "FOLDER|CSV",
+                     "map folder, or its trajectory.csv");
+        add_required(command, "--truth", o.truth_path, "CSV",
+                     "true poses: utime_us,x_m,y_m and optionally yaw_rad");
         auto* align = command.add_flag(
             "--align", o.align, "first align the trajectory with the truth by least squares");
         command.add_flag("--align-origin", o.align_origin, "first align the first poses of both")

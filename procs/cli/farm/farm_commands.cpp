@@ -11,7 +11,7 @@ namespace orchard::cli {
 namespace {
 
 void add_folder(CLI::App& command, std::string& folder) {
-  command.add_option("farm", folder, "folder of the farm")->required()->type_name("DIR");
+  add_required(command, "farm", folder, "DIR", "folder of the farm");
 }
 
 }  // namespace
@@ -40,18 +40,11 @@ void add_farm(CLI::App& app, Run& run) {
       "own. Output: logs/BLOCK/DATE/ROBOT/.\n",
       run_farm_add, [](CLI::App& command, FarmAddOptions& o) {
         add_folder(command, o.folder);
-        command.add_option("log", o.log_paths, "logs to copy")->required()->type_name("LOG...");
-        command.add_option("--block", o.block, "block of the orchard")
-            ->required()
-            ->type_name("NAME");
-        command.add_option("--date", o.date, "date of the drive")
-            ->required()
-            ->type_name("YYYY-MM-DD");
-        command
-            .add_option("--robot", o.robot,
-                        "name of the robot; its rig is rigs/NAME.yaml [the rig in the log]")
-            ->required()
-            ->type_name("NAME");
+        add_required(command, "log", o.log_paths, "LOG...", "logs to copy");
+        add_required(command, "--block", o.block, "NAME", "block of the orchard");
+        add_required(command, "--date", o.date, "YYYY-MM-DD", "date of the drive");
+        add_required(command, "--robot", o.robot, "NAME",
+                     "name of the robot; its rig is rigs/NAME.yaml [the rig in the log]");
       });
   add_command<FarmRunOptions>(
       *farm, run, "run", "Run all steps without a result yet, on this machine or on a cluster",
@@ -64,10 +57,8 @@ void add_farm(CLI::App& app, Run& run) {
       "Exit code 1 if a step failed for another reason than its input.\n",
       run_farm_run, [](CLI::App& command, FarmRunOptions& o) {
         add_folder(command, o.folder);
-        command
-            .add_option("--profile", o.profile,
-                        "where to run the steps: a folder in profiles/ of the farm")
-            ->type_name("NAME")
+        add_value(command, "--profile", o.profile, "NAME",
+                  "where to run the steps: a folder in profiles/ of the farm")
             ->capture_default_str();
         command
             .add_option(

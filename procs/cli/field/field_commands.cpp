@@ -10,12 +10,9 @@ namespace orchard::cli {
 namespace {
 
 void add_network(CLI::App& command, std::string& lcm_url, std::string& config_path) {
-  command
-      .add_option(
-          "--lcm-url", lcm_url,
-          "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
-      ->type_name("URL");
-  command.add_option("--config", config_path, "rig whose LCM network is used")->type_name("FILE");
+  add_value(command, "--lcm-url", lcm_url, "URL",
+            "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]");
+  add_value(command, "--config", config_path, "FILE", "rig whose LCM network is used");
 }
 
 void add_live(CLI::App& app, Run& run) {
@@ -31,31 +28,23 @@ void add_live(CLI::App& app, Run& run) {
       "process is\n"
       "restarted. Output: the map in DIR, the output of each process in DIR/logs.\n",
       run_live, [](CLI::App& command, LiveOptions& o) {
-        command.add_option("rig", o.config_path, "configuration of the robot")
-            ->required()
-            ->type_name("RIG");
-        command
-            .add_option("--out", o.out_folder,
-                        "folder for the map [out/live/DATE]; an existing map is continued")
-            ->type_name("DIR");
-        command
-            .add_option("--record", o.record_folder, "also record every message into this folder")
-            ->type_name("DIR");
-        command.add_option("--only", o.only, "run only these processes, such as drivers,recorder")
-            ->type_name("NAMES")
+        add_required(command, "rig", o.config_path, "RIG", "configuration of the robot");
+        add_value(command, "--out", o.out_folder, "DIR",
+                  "folder for the map [out/live/DATE]; an existing map is continued");
+        add_value(command, "--record", o.record_folder, "DIR",
+                  "also record every message into this folder");
+        add_value(command, "--only", o.only, "NAMES",
+                  "run only these processes, such as drivers,recorder")
             ->delimiter(',');
-        command.add_option("--without", o.without, "run all but these processes")
-            ->type_name("NAMES")
+        add_value(command, "--without", o.without, "NAMES", "run all but these processes")
             ->delimiter(',');
         command
             .add_option("--sim", o.scene,
                         "simulate the sensors in this scene instead of starting the drivers")
             ->check(CLI::IsMember({"tubes", "orchard", "park"}));
-        command
-            .add_option("--emulate", o.played_log,
-                        "emulate the devices of the rig: each driver reads this log in its "
-                        "device's protocol")
-            ->type_name("LOG")
+        add_value(command, "--emulate", o.played_log, "LOG",
+                  "emulate the devices of the rig: each driver reads this log in its "
+                  "device's protocol")
             ->excludes("--sim");
         command.add_flag("--edit", o.edit, "allow corrections of the map on the live page");
         command.add_option("--seed", o.seed, "seed of the simulated scene")->capture_default_str();
@@ -63,8 +52,8 @@ void add_live(CLI::App& app, Run& run) {
             .add_option("--speed", o.speed,
                         "speed of the simulated drive, as a multiple of real time")
             ->capture_default_str();
-        command.add_option("--lcm-url", o.lcm_url, "URL of the LCM network [lcm.url of the rig]")
-            ->type_name("URL");
+        add_value(command, "--lcm-url", o.lcm_url, "URL",
+                  "URL of the LCM network [lcm.url of the rig]");
       });
 }
 
@@ -94,15 +83,12 @@ void add_record(CLI::App& app, Run& run) {
       "Output: LCM logs NAME-DATE-000.lcm, NAME-DATE-001.lcm, ..., readable by lcm-logplayer, "
       "too.\n",
       run_record, [](CLI::App& command, RecordOptions& o) {
-        command.add_option("--out", o.folder, "folder of the recording")
-            ->type_name("DIR")
+        add_value(command, "--out", o.folder, "DIR", "folder of the recording")
             ->capture_default_str();
-        command.add_option("--name", o.name, "first part of the file names")
-            ->type_name("NAME")
+        add_value(command, "--name", o.name, "NAME", "first part of the file names")
             ->capture_default_str();
-        command.add_option("--split-mb", o.split_mb, "size of a file; then a new one begins [MB]")
-            ->check(CLI::Range(1.0, 1e6))
-            ->capture_default_str();
+        add_limited(command, "--split-mb", o.split_mb, 1.0, 1e6,
+                    "size of a file; then a new one begins [MB]");
         command
             .add_option("--keep-gb", o.keep_gb,
                         "max size of the recording: older files are removed [GB]; 0 = keep all")

@@ -23,17 +23,12 @@ void add_export(CLI::App& app, Run& run) {
       "GeoJSON,\n"
       "CSV and FlatGeobuf store one layer: landmarks, or that of --layer.\n",
       run_export, [](CLI::App& command, ExportOptions& o) {
-        command.add_option("map", o.map_path, "map folder, or its map.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
+        add_required(command, "map", o.map_path, "FOLDER|CSV", "map folder, or its map.csv");
         command.add_option("--format", o.format, "format of the file")
             ->required()
             ->check(CLI::IsMember({"geojson", "kml", "shp", "dxf", "csv", "flatgeobuf", "gpkg"}));
-        command
-            .add_option("--out", o.out_path,
-                        "file to write: .geojson, .kml, .shp.zip, .dxf, .csv, .fgb or .gpkg")
-            ->required()
-            ->type_name("FILE");
+        add_required(command, "--out", o.out_path, "FILE",
+                     "file to write: .geojson, .kml, .shp.zip, .dxf, .csv, .fgb or .gpkg");
         command.add_option("--layer", o.layer, "export only this layer")
             ->check(CLI::IsMember(
                 {"landmarks", "extents", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));
@@ -58,12 +53,10 @@ void add_import_edits(CLI::App& app, Run& run) {
       "the map or a later correction is a conflict: it is printed and left out, and the exit code "
       "is 3.\n",
       run_import_edits, [](CLI::App& command, ImportEditsOptions& o) {
-        command.add_option("map", o.map_folder, "map folder")->required()->type_name("FOLDER");
-        command.add_option("edited", o.edited_path, "the edited GeoPackage")
-            ->required()
-            ->type_name("GPKG");
-        command.add_option("--who", o.who, "name of the person who edited it [the current user]")
-            ->type_name("NAME");
+        add_required(command, "map", o.map_folder, "FOLDER", "map folder");
+        add_required(command, "edited", o.edited_path, "GPKG", "the edited GeoPackage");
+        add_value(command, "--who", o.who, "NAME",
+                  "name of the person who edited it [the current user]");
         command.add_flag(
             "--keep-missing", o.keep_missing,
             "the file holds only part of the map: do not delete landmarks that it lacks");

@@ -25,11 +25,10 @@ class EditCommands {
       options->kind = kind;
       run = [options] { return run_edit(*options); };
     });
-    command
-        .add_option("--who", options_->who, "name of the person who corrects [the current user]")
-        ->type_name("NAME");
+    add_value(command, "--who", options_->who, "NAME",
+              "name of the person who corrects [the current user]");
     if (kind != CorrectionKind::kNote) {
-      command.add_option("--note", options_->note, "reason of the correction")->type_name("TEXT");
+      add_value(command, "--note", options_->note, "TEXT", "reason of the correction");
     }
     return command;
   }
@@ -43,14 +42,11 @@ class EditCommands {
   }
 
   void tree(CLI::App& command) {
-    command.add_option("tree", options_->tree, "id (17) or row/tree (3/14) of the landmark")
-        ->required()
-        ->type_name("ID|ROW/TREE");
+    add_required(command, "tree", options_->tree, "ID|ROW/TREE",
+                 "id (17) or row/tree (3/14) of the landmark");
   }
   CLI::Option* at(CLI::App& command, int num_numbers, const char* description) {
-    return command.add_option("--at", options_->at_m, description)
-        ->expected(num_numbers)
-        ->type_name("X Y");
+    return add_value(command, "--at", options_->at_m, "X Y", description)->expected(num_numbers);
   }
   void class_word(CLI::App& command, const char* name) {
     command.add_option(name, options_->class_word, "class of the landmark: tree or object")
@@ -72,7 +68,7 @@ void add_tree_words(EditCommands& words) {
                             "  orchard edit out/drive add 3/14            (in the gap of row 3)\n"
                             "  orchard edit out/drive add --at 12.5 3.0 --width 0.12\n"
                             "  orchard edit out/drive add --at 1.0 -4.2 --class object\n");
-  add.add_option("gap", words.options().tree, "row/tree of a gap in a row")->type_name("ROW/TREE");
+  add_value(add, "gap", words.options().tree, "ROW/TREE", "row/tree of a gap in a row");
   words.at(add, 2, "position [m, map frame]");
   words.class_word(add, "--class");
   add.add_option("--width", words.options().width_m, "width of the trunk, if measured [m]")
@@ -91,10 +87,9 @@ void add_tree_words(EditCommands& words) {
       CorrectionKind::kMerge, "Merge landmarks that are one tree or object",
       "  orchard edit out/drive merge 17 18\n"
       "The first keeps its id; the position is that of the landmark with the most observations.\n");
-  merge.add_option("trees", words.options().trees, "ids (17) or row/tree (3/14) of the landmarks")
-      ->required()
-      ->expected(2, 100)
-      ->type_name("ID|ROW/TREE...");
+  add_required(merge, "trees", words.options().trees, "ID|ROW/TREE...",
+               "ids (17) or row/tree (3/14) of the landmarks")
+      ->expected(2, 100);
   CLI::App& split =
       words.add(CorrectionKind::kSplit, "Split a landmark that is two trees or objects",
                 "  orchard edit out/drive split 17 --at 12.1 3.0 12.9 3.0\n"
@@ -120,9 +115,7 @@ void add_number_words(EditCommands& words) {
   CLI::App& note = words.add(CorrectionKind::kNote, "Attach a note to a landmark",
                              "  orchard edit out/drive note 3/14 \"grafted in March\"\n");
   words.tree(note);
-  note.add_option("text", words.options().note, "the note, one line")
-      ->required()
-      ->type_name("TEXT");
+  add_required(note, "text", words.options().note, "TEXT", "the note, one line");
 }
 
 void add_history_words(EditCommands& words) {
@@ -147,11 +140,8 @@ void add_history_words(EditCommands& words) {
       "apply", "Write the corrected map to a new folder",
       "  orchard edit out/drive apply --out out/corrected     (map.html, map.gpkg, map.csv ...)\n",
       run_edit_apply);
-  apply
-      .add_option("--out", words.options().out_folder,
-                  "folder for the map; created if it does not exist")
-      ->required()
-      ->type_name("DIR");
+  add_required(apply, "--out", words.options().out_folder, "DIR",
+               "folder for the map; created if it does not exist");
 }
 
 }  // namespace
@@ -166,7 +156,7 @@ void add_growers(CLI::App& app, Run& run) {
       "Corrections are saved in corrections.jsonl beside the map; the map itself is not changed.\n"
       "`orchard map --previous` applies them to the next map by id and position, and reports "
       "conflicts.\n");
-  edit.add_option("map", options->map_folder, "map folder")->required()->type_name("FOLDER");
+  add_required(edit, "map", options->map_folder, "FOLDER", "map folder");
   edit.require_subcommand(1);
   EditCommands words(edit, run, options);
   add_tree_words(words);

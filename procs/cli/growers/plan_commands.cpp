@@ -10,26 +10,20 @@ namespace orchard::cli {
 
 void add_plan_options(CLI::App& command, io::PlanFileOptions& file,
                       mapping::PlanMatchConfig& match) {
-  command.add_option("--layer", file.layer, "layer of the plan, if it has several")
-      ->type_name("NAME");
-  command.add_option("--row-field", file.row_field, "column of the plan with the name of the row")
-      ->type_name("NAME");
-  command
-      .add_option("--tree-field", file.tree_field, "column of the plan with the name of the tree")
-      ->type_name("NAME");
-  command
-      .add_option("--crs", file.crs, "coordinate system of the plan, if the file does not state it")
-      ->type_name("EPSG:CODE");
+  add_value(command, "--layer", file.layer, "NAME", "layer of the plan, if it has several");
+  add_value(command, "--row-field", file.row_field, "NAME",
+            "column of the plan with the name of the row");
+  add_value(command, "--tree-field", file.tree_field, "NAME",
+            "column of the plan with the name of the tree");
+  add_value(command, "--crs", file.crs, "EPSG:CODE",
+            "coordinate system of the plan, if the file does not state it");
   command
       .add_option("--spacing", file.spacing_m,
                   "distance between trees of a row, for a plan with rows as lines [m]")
       ->check(CLI::Range(0.2, 100.0));
-  command
-      .add_option("--tolerance", match.tolerance_m,
-                  "max distance of a tree from its planned position; beyond it the tree is `out of "
-                  "place` [m]")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
+  add_limited(command, "--tolerance", match.tolerance_m, 0.01, 10.0,
+              "max distance of a tree from its planned position; beyond it the tree is `out of "
+              "place` [m]");
   command
       .add_option("--placement", match.placement,
                   "number of the true placement, if several fit (they are listed)")
@@ -54,14 +48,11 @@ void add_plan(CLI::App& app, Run& run) {
       "georeference; if\n"
       "several placements fit, they are listed (exit code 3).\n",
       run_plan, [](CLI::App& command, PlanOptions& o) {
-        command.add_option("plan", o.plan_path, "file of the plan")->required()->type_name("FILE");
-        command.add_option("--map", o.map_path, "map folder, or its map.csv")
-            ->type_name("FOLDER|CSV");
-        command
-            .add_option("--out", o.out_path,
-                        "with --map: folder for the map with the plan's numbers; else: GeoJSON "
-                        "file for the plan")
-            ->type_name("DIR|GEOJSON");
+        add_required(command, "plan", o.plan_path, "FILE", "file of the plan");
+        add_value(command, "--map", o.map_path, "FOLDER|CSV", "map folder, or its map.csv");
+        add_value(command, "--out", o.out_path, "DIR|GEOJSON",
+                  "with --map: folder for the map with the plan's numbers; else: GeoJSON "
+                  "file for the plan");
         add_plan_options(command, o.file, o.match);
         add_alignment_options(command, o.match.alignment);
         command.add_flag("--json", o.json, "print JSON, with lengths in metres");
@@ -79,17 +70,12 @@ void add_publish(CLI::App& app, Run& run) {
       "~/.pgpass,\n"
       "PGPASSWORD or a service file.\n",
       run_publish, [](CLI::App& command, PublishOptions& o) {
-        command.add_option("map", o.map_path, "map folder, or its map.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command.add_option("--to", o.url, "URL of the database, without a password")
-            ->required()
-            ->type_name("URL");
-        command.add_option("--block", o.block, "name of the block, the same for every date")
-            ->required()
-            ->type_name("NAME");
-        command.add_option("--date", o.date, "date of the map [day of the drive, UTC]")
-            ->type_name("YYYY-MM-DD");
+        add_required(command, "map", o.map_path, "FOLDER|CSV", "map folder, or its map.csv");
+        add_required(command, "--to", o.url, "URL", "URL of the database, without a password");
+        add_required(command, "--block", o.block, "NAME",
+                     "name of the block, the same for every date");
+        add_value(command, "--date", o.date, "YYYY-MM-DD",
+                  "date of the map [day of the drive, UTC]");
         command.add_flag("--as-mapped", o.as_mapped, "ignore corrections by hand");
         command.add_flag("--json", o.json, "print JSON");
       });

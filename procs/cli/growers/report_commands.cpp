@@ -21,21 +21,15 @@ void add_report(CLI::App& app, Run& run) {
       "uncertainties. The\n"
       "figures are those of map.csv after corrections by hand (`orchard edit`).\n",
       run_report, [](CLI::App& command, ReportOptions& o) {
-        command.add_option("map", o.map_path, "map folder, or its map.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command
-            .add_option("--previous", o.previous_path,
-                        "folder of an earlier map of the orchard: report changes and growth")
-            ->type_name("FOLDER");
-        command.add_option("--plan", o.plan_path, "planting plan: report differences from it")
-            ->type_name("FILE");
-        command.add_option("--out", o.out_folder, "folder to write to [report/ in the map folder]")
-            ->type_name("DIR");
-        command
-            .add_option("--name", o.name,
-                        "name of the block in the report [name of the map folder]")
-            ->type_name("TEXT");
+        add_required(command, "map", o.map_path, "FOLDER|CSV", "map folder, or its map.csv");
+        add_value(command, "--previous", o.previous_path, "FOLDER",
+                  "folder of an earlier map of the orchard: report changes and growth");
+        add_value(command, "--plan", o.plan_path, "FILE",
+                  "planting plan: report differences from it");
+        add_value(command, "--out", o.out_folder, "DIR",
+                  "folder to write to [report/ in the map folder]");
+        add_value(command, "--name", o.name, "TEXT",
+                  "name of the block in the report [name of the map folder]");
         command.add_option("--language", o.language, "language of the report: en or es")
             ->check(CLI::IsMember({"en", "es"}))
             ->capture_default_str();

@@ -22,11 +22,8 @@ void add_reach_option(CLI::App& command, double& reach_m) {
 }  // namespace
 
 void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
-  command
-      .add_option("--max-offset", c.offset_max_m,
-                  "max offset between the positions of a tree in both maps [m]")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
+  add_limited(command, "--max-offset", c.offset_max_m, 0.01, 100.0,
+              "max offset between the positions of a tree in both maps [m]");
   const double rad_per_deg = geometry::kPi / 180.0;
   command
       .add_option_function<double>(
@@ -65,42 +62,25 @@ void add_compare(CLI::App& app, Run& run) {
       "maps as\n"
       "well, the comparison is refused (exit code 3).\n",
       run_compare, [](CLI::App& command, CompareOptions& o) {
-        command.add_option("earlier", o.earlier_path, "earlier map: its folder or map.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command.add_option("later", o.later_path, "later map: its folder or map.csv")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command
-            .add_option("--out", o.out_folder,
-                        "folder for the comparison; created if it does not exist")
-            ->type_name("DIR");
+        add_required(command, "earlier", o.earlier_path, "FOLDER|CSV",
+                     "earlier map: its folder or map.csv");
+        add_required(command, "later", o.later_path, "FOLDER|CSV",
+                     "later map: its folder or map.csv");
+        add_value(command, "--out", o.out_folder, "DIR",
+                  "folder for the comparison; created if it does not exist");
         command.add_flag("--as-mapped", o.as_mapped, "ignore corrections by hand");
         command.add_flag("--json", o.json, "print JSON, with lengths in metres");
         add_alignment_options(command, o.alignment);
         add_reach_option(command, o.reach_m);
-        command
-            .add_option("--min-confidence", o.comparison.confidence_min,
-                        "min confidence of a change; below it, missing and new trees count as not "
-                        "seen, widths as unchanged")
-            ->check(CLI::Range(0.0, 1.0))
-            ->capture_default_str();
-        command
-            .add_option("--sigmas", o.comparison.sigmas_min,
-                        "min number of standard errors of a reported move or width change")
-            ->check(CLI::Range(1.0, 20.0))
-            ->capture_default_str();
-        command
-            .add_option("--bush-near", o.comparison.clump.near_m,
-                        "a landmark with two others this near counts as part of a bush [m]")
-            ->check(CLI::Range(0.05, 5.0))
-            ->capture_default_str();
-        command
-            .add_option(
-                "--bush-reach", o.comparison.clump.reach_m,
-                "part of a bush is new or missing only if no other landmark is this near [m]")
-            ->check(CLI::Range(0.05, 10.0))
-            ->capture_default_str();
+        add_limited(command, "--min-confidence", o.comparison.confidence_min, 0.0, 1.0,
+                    "min confidence of a change; below it, missing and new trees count as not "
+                    "seen, widths as unchanged");
+        add_limited(command, "--sigmas", o.comparison.sigmas_min, 1.0, 20.0,
+                    "min number of standard errors of a reported move or width change");
+        add_limited(command, "--bush-near", o.comparison.clump.near_m, 0.05, 5.0,
+                    "a landmark with two others this near counts as part of a bush [m]");
+        add_limited(command, "--bush-reach", o.comparison.clump.reach_m, 0.05, 10.0,
+                    "part of a bush is new or missing only if no other landmark is this near [m]");
         command.add_flag(
             "--assume-seen", o.comparison.assume_seen,
             "assume that both drives observed everything (for a map.csv without its folder)");
@@ -123,25 +103,18 @@ void add_merge(CLI::App& app, Run& run) {
       "with --leave-out the others are merged, and left_out.csv lists the refused maps with the "
       "reason.\n",
       run_merge, [](CLI::App& command, MergeOptions& o) {
-        command
-            .add_option("maps", o.map_paths,
-                        "two or more map folders or map.csv files; one is enough with --previous")
-            ->required()
-            ->expected(1, 1000)
-            ->type_name("FOLDER|CSV...");
-        command
-            .add_option("--out", o.out_folder, "folder for the map; created if it does not exist")
-            ->required()
-            ->type_name("DIR");
-        command
-            .add_option("--previous", o.previous_path,
-                        "map of an earlier date; landmarks found again keep their id and number")
-            ->type_name("FOLDER|CSV");
+        add_required(command, "maps", o.map_paths, "FOLDER|CSV...",
+                     "two or more map folders or map.csv files; one is enough with --previous")
+            ->expected(1, 1000);
+        add_required(command, "--out", o.out_folder, "DIR",
+                     "folder for the map; created if it does not exist");
+        add_value(command, "--previous", o.previous_path, "FOLDER|CSV",
+                  "map of an earlier date; landmarks found again keep their id and number");
         command.add_flag(
             "--leave-out", o.leave_out,
             "leave out maps that cannot be aligned with the others, and list them in left_out.csv");
-        command.add_option("--config", o.config_path, "rig whose mapper.rows numbers new rows")
-            ->type_name("FILE");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig whose mapper.rows numbers new rows");
         add_alignment_options(command, o.alignment);
         add_reach_option(command, o.reach_m);
       });

@@ -21,20 +21,14 @@ void add_view(CLI::App& app, Run& run) {
       "edit`.\n"
       "Without --listen, only this machine can open the page.\n",
       run_view, [](CLI::App& command, ViewOptions& o) {
-        command.add_option("path", o.paths, "a log, the parts of a split log, or a map folder")
-            ->required()
-            ->type_name("LOG...|FOLDER");
-        command.add_option("--config", o.config_path, "rig to use instead of the one in the log")
-            ->type_name("FILE");
-        command
-            .add_option("--listen", o.listen,
-                        "address of the page [127.0.0.1:8420, or the next free port]")
-            ->type_name("ADDRESS:PORT");
-        command
-            .add_option(
-                "--token-file", o.token_file,
-                "file whose first line is the token for other hosts: http://...?token=TOKEN")
-            ->type_name("FILE");
+        add_required(command, "path", o.paths, "LOG...|FOLDER",
+                     "a log, the parts of a split log, or a map folder");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to use instead of the one in the log");
+        add_value(command, "--listen", o.listen, "ADDRESS:PORT",
+                  "address of the page [127.0.0.1:8420, or the next free port]");
+        add_value(command, "--token-file", o.token_file, "FILE",
+                  "file whose first line is the token for other hosts: http://...?token=TOKEN");
         command.add_flag("--edit", o.edit,
                          "allow everyone who can open the page to correct the map");
         command.add_flag("--open,!--no-browser", o.open, "open the page in a browser");

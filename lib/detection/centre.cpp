@@ -19,7 +19,8 @@ struct Estimate {
 /// Mean and variance of a trunk's radius in the width model.
 Estimate model_radius(const Rig& rig) {
   const laser::WidthConfig& trunks = rig.detector.width;
-  return {0.5 * trunks.mean_m, 0.25 * geometry::square(std::max(trunks.sd_m, trunks.sd_floor_m))};
+  return {0.5 * trunks.mean_m,
+          0.25 * geometry::square(std::max(trunks.sd_m, laser::WidthConfig::kSdFloor_m))};
 }
 
 Estimate radius_of(const laser::Segment& segment, bool is_trunk, const Rig& rig) {

@@ -56,7 +56,7 @@ bool stands_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
   const double least_m = segment.width_m - bloom_m;
   return least_m <= config.width.mean_m ||
          laser::roc_laser(least_m, segment.range_m, scan.bearing_step_rad, config.width) >=
-             config.roc_laser_threshold;
+             DetectorConfig::kRocLaserMin;
 }
 
 /// roc_laser of an object's width. The width of a half-hidden object comes from the curvature of
@@ -67,7 +67,8 @@ double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
     return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, config.width);
   }
   laser::WidthConfig measured = config.width;
-  measured.sd_m = std::hypot(std::max(measured.sd_m, measured.sd_floor_m), segment.width_sd_m);
+  measured.sd_m =
+      std::hypot(std::max(measured.sd_m, laser::WidthConfig::kSdFloor_m), segment.width_sd_m);
   return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, measured);
 }
 
@@ -75,7 +76,7 @@ double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
 /// of the circle's and the model's.
 double visible_fraction(const laser::Segment& segment, const laser::WidthConfig& trunks) {
   if (!segment.circle) return segment.width_m / trunks.mean_m;
-  const double model_m2 = std::pow(std::max(trunks.sd_m, trunks.sd_floor_m), 2);
+  const double model_m2 = std::pow(std::max(trunks.sd_m, laser::WidthConfig::kSdFloor_m), 2);
   const double weight = model_m2 / (model_m2 + segment.width_sd_m * segment.width_sd_m);
   const double width_m = trunks.mean_m + weight * (segment.width_m - trunks.mean_m);
   return segment.visible_fraction * segment.width_m / width_m;
@@ -91,15 +92,15 @@ LaserDecision judge_by_laser(const laser::Segment& segment, double roc_laser,
         segment.circle ? segment.width_m - 2.0 * segment.width_sd_m : segment.width_m;
     const bool too_wide = least_width_m > config.width.mean_m &&
                           laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
-                                           config.width) < config.roc_laser_threshold;
+                                           config.width) < DetectorConfig::kRocLaserMin;
     if (too_wide) return LaserDecision::kObject;
     const bool shows = config.visible_fraction_min < 1.0 &&
-                       roc_laser >= config.roc_laser_threshold &&
+                       roc_laser >= DetectorConfig::kRocLaserMin &&
                        visible_fraction(segment, config.width) >= config.visible_fraction_min;
     return shows ? LaserDecision::kCandidate : LaserDecision::kHidden;
   }
-  return roc_laser >= config.roc_laser_threshold ? LaserDecision::kCandidate
-                                                 : LaserDecision::kObject;
+  return roc_laser >= DetectorConfig::kRocLaserMin ? LaserDecision::kCandidate
+                                                   : LaserDecision::kObject;
 }
 
 Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan, double roc_laser,
@@ -162,7 +163,7 @@ double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, cons
   d.roc_right_edge = static_cast<float>(right.roc);
   d.roc_parallel = static_cast<float>(parallel);
   d.roc_edges = static_cast<float>(edges);
-  return fuse_vision(colour.roc, edges, config.colour_weight);
+  return fuse_vision(colour.roc, edges, DetectorConfig::kColourWeight);
 }
 
 void decide(Detection& d, double roc_tree, const Rig& rig) {
@@ -192,7 +193,7 @@ void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
     d.probability_object = static_cast<float>(p.object);
     if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
     // An object rejected by the laser stays an OBJECT unless the camera has examined it.
-    const bool examined = d.roc_colour > 0.0f || d.roc_laser >= config.roc_laser_threshold;
+    const bool examined = d.roc_colour > 0.0f || d.roc_laser >= DetectorConfig::kRocLaserMin;
     if (rig.has_camera && !examined) continue;
     d.label = label_of(p.tree, config.probability.tree_min);
   }
@@ -214,7 +215,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   findings.beam_period_s = 1e-6 * scan.beam_period_us;
   std::vector<Detection>& trunks = findings.detections.trunks;
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser,
-                                       config.roc_laser_threshold);
+                                       DetectorConfig::kRocLaserMin);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
     const bool stands = stands_by_reflector(segment, scan, config);
@@ -233,7 +234,8 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
       decide(trunks.back(), roc_laser, rig);
     } else if (decision == LaserDecision::kObject) {
       trunks.back().label = Label::kObject;
-      trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
+      trunks.back().roc_tree =
+          static_cast<float>(fuse_tree(roc_laser, 0.0, DetectorConfig::kLaserWeight));
       if (reflector == ReflectorDecision::kNothing && !is_half_hidden(segment) &&
           camera_could_decide(trunks.back(), config)) {
         findings.candidates.push_back({trunks.size() - 1, segment});
@@ -286,7 +288,7 @@ DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* pic
     Detection& d = trunks[findings.candidates[i].index];
     const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
-    decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
+    decide(d, fuse_tree(d.roc_laser, roc_vision, DetectorConfig::kLaserWeight), rig);
   }
   return result;
 }

@@ -31,15 +31,15 @@ struct DetectorConfig {
   vision::ColourConfig colour;
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
-  double roc_laser_threshold = laser::kThreeSigmaRoc;  ///< the paper's ROC_th
-  double visible_fraction_min = 1.0;  ///< min visible fraction for a half-hidden trunk to be judged
-  double colour_weight = 0.6;         ///< roc_vision = w colour + (1 - w) edges
-  double laser_weight = 0.5;          ///< roc_tree = w laser + (1 - w) vision
-  double tree_threshold = 0.6;        ///< min roc_tree of a TREE
+  static constexpr double kRocLaserMin = laser::kThreeSigmaRoc;  ///< the paper's ROC_th
+  double visible_fraction_min = 1.0;
+  static constexpr double kColourWeight = 0.6;  ///< roc_vision = w colour + (1 - w) edges
+  static constexpr double kLaserWeight = 0.5;   ///< roc_tree = w laser + (1 - w) vision
+  double tree_threshold = 0.6;                  ///< min roc_tree of a TREE
   Decision decision = Decision::kRoc;
   ProbabilityConfig probability;
-  double pairing_tolerance_s = 0.06;  ///< max time between a scan and its image
-  double image_wait_s = 0.25;         ///< message time for which a scan waits for images
+  double pairing_tolerance_s = 0.06;
+  double image_wait_s = 0.25;
   /// Compensates the motion from each beam's time to the exposure by ODOMETRY; scans then wait for
   /// ODOMETRY, too.
   bool use_odometry = false;
@@ -59,16 +59,10 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.check(c.colour_model == ColourModel::kHueInterval || c.appearance.learnt(), "colour_model",
           "needs a learnt detector.appearance; learn one with `orchard calibrate trunks`");
   v.expert().section("edges", c.edges, "detection of trunk edges in the picture");
-  v.expert().number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
-                    "min roc_laser of a trunk candidate (ROC_th of the paper)");
   v.expert().number(
       "visible_fraction_min", c.visible_fraction_min, 0, 1, "1",
       "min visible fraction of a half-hidden trunk to be classified; its width is estimated from "
       "its circle and detector.width; 1 = half-hidden trunks stay UNSEEN");
-  v.expert().number("colour_weight", c.colour_weight, 0, 1, "1",
-                    "weight of the colour in roc_vision; the rest is that of the edges");
-  v.expert().number("laser_weight", c.laser_weight, 0, 1, "1",
-                    "weight of the laser in roc_tree; the rest is that of roc_vision");
   v.number("tree_threshold", c.tree_threshold, 0, 1, "1",
            "min roc_tree of class TREE; a larger value gives fewer, surer trees");
   v.expert().choice("decision", c.decision, {"roc", "probability"},

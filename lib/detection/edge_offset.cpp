@@ -32,7 +32,7 @@ std::vector<vision::EdgeLine> lines_about(const vision::EdgeMap& map,
   for (int i = -num_steps; i <= num_steps; ++i) {
     const vision::PixelRect slid = vision::intersection(
         {window.x_px + i * step, window.y_px, window.width_px, window.height_px}, map.area);
-    if (slid.width_px < rig.detector.window.min_size_px || slid.height_px < window.height_px) {
+    if (slid.width_px < vision::WindowConfig::kMinSize_px || slid.height_px < window.height_px) {
       continue;
     }
     const auto line = vision::find_edge(map, slid, expected_x_px + i * step, rig.detector.edges);
@@ -53,9 +53,8 @@ std::vector<vision::EdgeLine> lines_about(const vision::EdgeMap& map,
 
 vision::PixelRect edge_offset_area(const TrunkView& view, double reach_px, const Rig& rig) {
   const vision::PixelRect picture = picture_of(rig);
-  return vision::bounding(
-      vision::edge_reading_area(widened(view.left_edge, reach_px), picture, rig.detector.edges),
-      vision::edge_reading_area(widened(view.right_edge, reach_px), picture, rig.detector.edges));
+  return vision::bounding(vision::edge_reading_area(widened(view.left_edge, reach_px), picture),
+                          vision::edge_reading_area(widened(view.right_edge, reach_px), picture));
 }
 
 std::vector<EdgeOffset> edge_offsets(const vision::EdgeMap& map, const TrunkView& view,

@@ -23,7 +23,7 @@ double score(const std::vector<double>& weights, const ProbabilityFeatures& feat
   return sum;
 }
 
-/// Min roc_laser of candidates (three standard deviations, the default of roc_laser_threshold).
+/// Min roc_laser of candidates (three standard deviations: DetectorConfig::kRocLaserMin).
 /// Shows whether the camera examined an object with roc_colour 0, because the message does not say.
 constexpr float kRocLaserOfCandidates = 0.0111f;
 

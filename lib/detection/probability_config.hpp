@@ -19,11 +19,11 @@ inline constexpr std::size_t kNumLaserFeatures = 6;
 /// lists also: log odds of roc_colour, roc_colour is 0, roc_edges, roc_edges is 0.
 struct ProbabilityConfig {
   bool enabled = false;
-  std::vector<double> judged_tree;  ///< log odds of tree against unknown, per feature
+  std::vector<double> judged_tree;
   std::vector<double> judged_object;
-  std::vector<double> laser_tree;  ///< the same for detections by the laser alone
+  std::vector<double> laser_tree;
   std::vector<double> laser_object;
-  double tree_min = 0.5;  ///< min probability of a TREE (decision: probability)
+  double tree_min = 0.5;
 
   bool learnt() const { return !judged_tree.empty(); }
 };

@@ -76,7 +76,7 @@ std::optional<vision::PixelRect> window(const ProjectedPoint& point, double widt
   const auto& fc_px = rig.camera.intrinsics().fc_px;
   return vision::window_around(point.pixel.x(), point.pixel.y(), point.depth_m, width_m, height_m,
                                fc_px[0], fc_px[1], picture_of(rig),
-                               rig.detector.window.min_size_px);
+                               vision::WindowConfig::kMinSize_px);
 }
 
 }  // namespace
@@ -120,8 +120,8 @@ vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig) {
 
 vision::PixelRect windows_area(const TrunkView& view, const Rig& rig) {
   const vision::PixelRect picture = picture_of(rig);
-  const auto left = vision::edge_reading_area(view.left_edge, picture, rig.detector.edges);
-  const auto right = vision::edge_reading_area(view.right_edge, picture, rig.detector.edges);
+  const auto left = vision::edge_reading_area(view.left_edge, picture);
+  const auto right = vision::edge_reading_area(view.right_edge, picture);
   return vision::bounding(view.centre, vision::bounding(left, right));
 }
 

@@ -14,8 +14,8 @@ enum class BotPoseAs {
 
 /// A robot that publishes libbot's types. Section `drivers.bot_core`.
 struct BotCoreConfig {
-  std::string lcm_url;       ///< LCM network of the robot; empty: none
-  std::string scan_channel;  ///< empty: the first channel with a planar_lidar_t
+  std::string lcm_url;
+  std::string scan_channel;
   std::string image_channel;
   std::string pose_channel;
   std::string gps_channel;

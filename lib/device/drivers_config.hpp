@@ -18,7 +18,7 @@ enum class LaserProtocol {
 
 /// The scanner of orchard-laser-driver. Section `drivers.laser`.
 struct LaserDriverConfig {
-  std::string device;  ///< empty: no scanner on this machine
+  std::string device;
   LaserProtocol protocol = LaserProtocol::kScip;
 };
 
@@ -45,12 +45,12 @@ struct DriversConfig {
 template <class Visitor>
 void describe(Visitor& v, DriversConfig& c) {
   v.section("laser", c.laser, "orchard-laser-driver");
-  v.section("laser_rear", c.laser_rear, "orchard-rear-laser-driver");
+  v.expert().section("laser_rear", c.laser_rear, "orchard-rear-laser-driver");
   v.section("camera", c.camera, "orchard-camera-driver");
   v.section("gnss", c.gnss, "orchard-gnss-driver");
   v.section("odometry", c.odometry, "orchard-odometry-driver");
   v.section("imu", c.imu, "orchard-imu-driver");
-  v.section("bot_core", c.bot_core, "orchard-bot-core-adapter");
+  v.expert().section("bot_core", c.bot_core, "orchard-bot-core-adapter");
 }
 
 }  // namespace orchard::device

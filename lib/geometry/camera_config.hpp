@@ -8,7 +8,7 @@ namespace orchard::geometry {
 
 /// The camera of a rig: intrinsics, extrinsics, delay. Section `camera`.
 struct CameraConfig {
-  bool enabled = true;  ///< false: a rig without a camera, laser-only
+  bool enabled = true;
   /// Fixed delay of the camera: the exposure is this much earlier than the picture's utime.
   double delay_s = 0.0;
   CameraIntrinsics intrinsics;

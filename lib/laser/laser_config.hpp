@@ -7,11 +7,11 @@ namespace orchard::laser {
 
 /// Extrinsics and noise model of the laser. Section `laser`.
 struct LaserConfig {
-  double mount_x_m = 0.0;  ///< position of the laser in base
+  double mount_x_m = 0.0;
   double mount_y_m = 0.0;
-  double mount_yaw_rad = 0.0;       ///< rotation from base to laser, counter-clockwise
-  double range_sd_m = 0.010;        ///< 1-sigma of one range, constant part
-  double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
+  double mount_yaw_rad = 0.0;
+  double range_sd_m = 0.010;
+  double range_sd_fraction = 0.01;
   /// 1-sigma per metre of range of the error common to all beams of one object.
   double target_sd_fraction = 0.0;
   /// Width of the laser spot at the scanner, and its growth per metre of range. An object also

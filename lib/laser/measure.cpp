@@ -222,7 +222,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
       std::hypot(laser.range_sd_at(mean_m) / (mean_m * std::sqrt(static_cast<double>(s.num_beams))),
                  laser.target_sd_fraction);
   s.width_sd_m = std::max(std::hypot(mean_m * step_rad * sides_sd_beams, s.width_m * range_sd),
-                          0.1 * width.sd_floor_m);
+                          0.1 * WidthConfig::kSdFloor_m);
 
   const double first = static_cast<double>(s.first_beam);
   s.start_bearing_rad = scan.bearing_rad(first - edge_beams_before);

@@ -62,7 +62,7 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
 
 double width_sigma_m(double range_m, double bearing_step_rad, const WidthConfig& width) {
   const double quantum_m = width.sd_per_beam_step * range_m * std::abs(bearing_step_rad);
-  return std::hypot(std::max(width.sd_m, width.sd_floor_m), quantum_m);
+  return std::hypot(std::max(width.sd_m, WidthConfig::kSdFloor_m), quantum_m);
 }
 
 double roc_laser(double width_m, double range_m, double bearing_step_rad,

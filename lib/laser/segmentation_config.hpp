@@ -14,18 +14,18 @@ enum class ReflectorUse {
 
 /// Parameters of scan segmentation. Section `detector.segmentation`.
 struct SegmentationConfig {
-  double range_min_m = 0.05;          ///< nearer returns are the robot itself
-  double range_max_m = 5.6;           ///< farther returns are not used
-  double jump_m = 0.10;               ///< a range step of this size separates objects
-  double jump_fraction = 0.02;        ///< plus this much per metre of range
-  int min_beams = 2;                  ///< objects with fewer beams are not reported
-  double width_max_m = 2.0;           ///< wider objects (walls, hedges) are not reported
-  double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
-  double blind_half_width_rad = 0.0;  ///< half the angle of the sector; 0 = no sector
-  bool split_touching = true;         ///< split an object that two circles fit clearly better
-  int min_beams_circle = 3;           ///< min beams for a circle fit; twice that with a hidden side
+  double range_min_m = 0.05;
+  double range_max_m = 5.6;
+  double jump_m = 0.10;
+  double jump_fraction = 0.02;
+  int min_beams = 2;
+  double width_max_m = 2.0;
+  double blind_centre_rad = 0.0;
+  double blind_half_width_rad = 0.0;
+  bool split_touching = true;
+  int min_beams_circle = 3;
   ReflectorUse reflector = ReflectorUse::kIgnored;
-  double reflectivity_min = 0.0;  ///< min intensity of a reflector
+  double reflectivity_min = 0.0;
 
   BlindSector blind_sector() const { return {blind_centre_rad, blind_half_width_rad}; }
 };
@@ -48,8 +48,8 @@ void describe(Visitor& v, SegmentationConfig& c) {
            "middle of the sector in which the scanner sees the robot itself, in the laser frame");
   v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
            "half the angle of that sector; 0 = no such sector");
-  v.flag("split_touching", c.split_touching,
-         "split an object that two circles fit clearly better than one (touching trunks)");
+  v.expert().flag("split_touching", c.split_touching,
+                  "split an object that two circles fit clearly better than one (touching trunks)");
   v.expert().integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
                      "min beams for a circle fit; twice as many with a hidden side");
   v.choice("reflector", c.reflector, {"ignored", "only", "exclude"},

@@ -14,10 +14,10 @@ enum class WidthMode {
 /// Model of trunk widths. Section `detector.width`; calibrated from twenty trees.
 struct WidthConfig {
   WidthMode mode = WidthMode::kCompensated;
-  double mean_m = 0.090;          ///< mu of eq. 9
-  double sd_m = 0.010;            ///< sigma of eq. 9: scatter of the trees and of the scanner
-  double sd_floor_m = 0.006;      ///< lower limit of sigma
-  double sd_per_beam_step = 0.4;  ///< growth of sigma with range, in beam steps (range x step)
+  double mean_m = 0.090;
+  double sd_m = 0.010;
+  static constexpr double kSdFloor_m = 0.006;  ///< lower limit of sigma
+  double sd_per_beam_step = 0.4;
 };
 
 template <class Visitor>
@@ -30,8 +30,6 @@ void describe(Visitor& v, WidthConfig& c) {
            "trunks` or a calliper");
   v.number("sd_m", c.sd_m, 0, 2, "m",
            "standard deviation of trunk widths (sigma of eq. 9); from `orchard calibrate trunks`");
-  v.expert().number("sd_floor_m", c.sd_floor_m, 0.001, 1, "m",
-                    "lower limit of that standard deviation");
   v.expert().number("sd_per_beam_step", c.sd_per_beam_step, 0, 5, "1",
                     "growth of the standard deviation with range, in units of range x beam step");
 }

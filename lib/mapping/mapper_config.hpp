@@ -57,17 +57,17 @@ void describe(Visitor& v, MapperConfig& c) {
   v.expert().number("gate_sigma", c.gate_sigma, 0.5, 20, "1",
                     "max distance of a detection from its landmark in standard deviations of both "
                     "and of the pose");
-  v.number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
-           "max difference of the widths of a detection and its landmark");
-  v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are merged");
+  v.expert().number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
+                    "max difference of the widths of a detection and its landmark");
+  v.expert().number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are merged");
   v.check(c.merge_m <= 2.0 * c.gate_m, "merge_m",
           "must not be above twice gate_m: landmarks farther apart share no observation");
   v.flag("split_landmarks", c.split_landmarks,
          "split a landmark if scans repeatedly observe objects at two positions at once");
   v.expert().number("split_distance_m", c.split_distance_m, 0.01, 5, "m",
                     "split_landmarks: min distance of the two positions");
-  v.number("observation_range_max_m", c.observation_range_max_m, 0.1, 500, "m",
-           "max range of detections from base; farther ones are ignored");
+  v.expert().number("observation_range_max_m", c.observation_range_max_m, 0.1, 500, "m",
+                    "max range of detections from base; farther ones are ignored");
   v.expert().flag(
       "align_scans", c.align_scans,
       "align each scan with the map, within the covariance of the pose, before association");

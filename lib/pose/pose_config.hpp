@@ -29,14 +29,15 @@ enum class MotionSource {
 /// Configuration of the localisation. Section `pose`.
 struct PoseConfig {
   PoseMode mode = PoseMode::kFixesAndOdometry;
-  MotionSource motion = MotionSource::kWheels;  ///< modes odometry, slam, prior_map
-  double reorder_window_s = 0.02;               ///< max lag between channels [s of message time]
-  double fix_position_sd_m = 0.01;              ///< of a fix without covariance
+  MotionSource motion = MotionSource::kWheels;
+  double reorder_window_s = 0.02;
+  double fix_position_sd_m = 0.01;
   double fix_yaw_sd_rad = 0.01;
-  double speed_sd_fraction = 0.03;  ///< of odometry without covariance
+  double speed_sd_fraction = 0.03;
   double yaw_rate_sd_radps = 0.02;
-  double odometry_gap_max_s = 1.0;  ///< longer gaps are not bridged by dead reckoning
-  double heading_baseline_m = 0.5;  ///< travel needed for a first heading from fixes without yaw
+  static constexpr double kOdometryGapMax_s =
+      1.0;  ///< longer gaps are not bridged by dead reckoning
+  double heading_baseline_m = 0.5;
   FusionConfig fusion;
   GnssConfig gnss;
   PriorMapConfig prior_map;
@@ -54,17 +55,15 @@ void describe(Visitor& v, PoseConfig& c) {
       "source of the motion in modes odometry, slam and prior_map: ODOMETRY, or matching of scans");
   v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
                     "max delay between channels (message time); for GNSS it is always 0.5 s");
-  v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
-           "standard deviation of the position of a POSE_FIX without covariance");
-  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",
-           "standard deviation of the yaw of a POSE_FIX without covariance");
-  v.number(
+  v.expert().number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
+                    "standard deviation of the position of a POSE_FIX without covariance");
+  v.expert().number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",
+                    "standard deviation of the yaw of a POSE_FIX without covariance");
+  v.expert().number(
       "speed_sd_fraction", c.speed_sd_fraction, 0, 1, "1",
       "standard deviation of the speed of ODOMETRY without covariance, as a fraction of the speed");
-  v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3.2, "rad/s",
-           "standard deviation of the yaw rate of ODOMETRY without covariance");
-  v.expert().number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
-                    "max interval of ODOMETRY to dead-reckon across");
+  v.expert().number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3.2, "rad/s",
+                    "standard deviation of the yaw rate of ODOMETRY without covariance");
   v.expert().number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
                     "distance to drive for a first heading, for fixes without yaw and GNSS");
   v.section("fusion", c.fusion, "mode fused: fusion of wheels, IMU, GNSS and fixes");

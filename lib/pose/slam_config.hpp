@@ -5,35 +5,35 @@ namespace orchard::pose {
 
 /// Configuration of trunk-landmark SLAM. Section `pose.slam`.
 struct SlamConfig {
-  double detections_wait_s = 0.5;  ///< max lag of DETECTIONS behind the motion [message time]
+  double detections_wait_s = 0.5;
   double keyframe_travel_m = 0.5;
-  int window_keyframes = 30;  ///< corrected at every keyframe
+  int window_keyframes = 30;
 
-  double observation_sd_m = 0.02;         ///< of a centre, added to the detector's covariance
-  double observation_range_max_m = 30.0;  ///< farther objects are not used
-  double width_max_m = 1.5;               ///< wider objects have no well-defined centre
+  double observation_sd_m = 0.02;
+  double observation_range_max_m = 30.0;
+  double width_max_m = 1.5;
 
-  double gate_sigma = 3.5;      ///< joint gate of association
-  double gate_m = 0.6;          ///< max distance of an observation from its landmark
-  double width_gate_m = 0.15;   ///< allowed difference of widths, added to their uncertainty
-  double new_landmark_m = 0.6;  ///< min distance of a new landmark from existing ones
+  double gate_sigma = 3.5;
+  double gate_m = 0.6;
+  double width_gate_m = 0.15;
+  double new_landmark_m = 0.6;
   /// Minimum detection rate per keyframe; rarer detections are clutter.
   double detection_rate_min = 0.0;
 
-  double speed_scale_sd = 0.05;          ///< prior of the wheels' speed scale
-  double turn_scale_sd = 0.1;            ///< prior of the scale of their turns
-  double yaw_rate_bias_sd_radps = 0.01;  ///< prior of their yaw rate bias
+  double speed_scale_sd = 0.05;
+  double turn_scale_sd = 0.1;
+  double yaw_rate_bias_sd_radps = 0.01;
 
-  double gap_s = 0.5;  ///< a longer time without measured motion is a gap
+  double gap_s = 0.5;
 
-  double lost_sd_m = 0.8;  ///< a larger 1-sigma against the landmarks starts a new session
+  double lost_sd_m = 0.8;
 
-  double closure_kernel_m = 0.4;  ///< max distance of matched landmarks after registration
-  double closure_sd_m = 0.04;     ///< repeatability of a tree's position within a submap
-  double closure_margin = 8.0;    ///< min log-likelihood margin over any other registration
-  bool use_fixes = false;         ///< POSE_FIX georeferences the map and bounds its drift
-  bool use_gnss = false;          ///< GNSS does so; map is then east-north about its datum
-  double submap_length_m = 8.0;   ///< path length of the submaps by which large graphs are solved
+  double closure_kernel_m = 0.4;
+  double closure_sd_m = 0.04;
+  double closure_margin = 8.0;
+  bool use_fixes = false;
+  bool use_gnss = false;
+  double submap_length_m = 8.0;
 };
 
 template <class Visitor>

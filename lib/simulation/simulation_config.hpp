@@ -26,24 +26,24 @@ struct ScannerConfig {
   double bearing_step_rad = 0.0061359231515425649;  ///< 360/1024 deg
   double range_min_m = 0.02;
   double range_max_m = 5.6;
-  double rate_hz = 10.0;                ///< sweeps per second while driving
-  double beam_period_us = 97.65625;     ///< 100 ms / 1024
-  double spot_rad = 0.004;              ///< angular width of the spot, which causes mixed pixels
-  double spot_m = 0.0;                  ///< width of the spot at the scanner
-  double return_fraction = 0.5;         ///< min fraction of a spot on an object that gives a return
-  double bloom_rad = 0.0;               ///< a reflector affects beams up to this far beside it
-  double mixed_probability = 0.5;       ///< that a spot on two surfaces gives a range between them
-  double dropout_probability = 0.0005;  ///< that a hit gives no return
-  double beam_sd_m = 0.003;             ///< of each beam, constant part
-  double beam_sd_fraction = 0.003;      ///< of each beam, per metre of range
-  double scan_sd_fraction = 0.004;      ///< of each target in each scan, per metre of range
-  double target_sd_fraction = 0.002;    ///< constant error of each target, per metre of range
-  double limit_fraction = 0.03;         ///< class limit of the error from 1 m on
-  double limit_m = 0.03;                ///< class limit of the error below 1 m
-  double resolution_m = 0.001;          ///< step of the ranges
-  double height_m = 0.27;               ///< of the scan plane above the ground
-  bool intensities = false;             ///< whether scans have intensities
-  double tilt_sd_rad = 0.0;             ///< pitch and roll of each sweep on uneven ground
+  double rate_hz = 10.0;
+  double beam_period_us = 97.65625;  ///< 100 ms / 1024
+  double spot_rad = 0.004;
+  double spot_m = 0.0;
+  double return_fraction = 0.5;
+  double bloom_rad = 0.0;
+  double mixed_probability = 0.5;
+  double dropout_probability = 0.0005;
+  double beam_sd_m = 0.003;
+  double beam_sd_fraction = 0.003;
+  double scan_sd_fraction = 0.004;
+  double target_sd_fraction = 0.002;
+  double limit_fraction = 0.03;
+  double limit_m = 0.03;
+  double resolution_m = 0.001;
+  double height_m = 0.27;
+  bool intensities = false;
+  double tilt_sd_rad = 0.0;
 };
 
 template <class Visitor>
@@ -87,33 +87,30 @@ void describe(Visitor& v, ScannerConfig& c) {
 
 /// Image acquisition. Section `simulation.image`; optics and extrinsics are in section `camera`.
 struct ImageConfig {
-  double rate_hz = 10.0;    ///< while driving
-  double offset_s = 0.035;  ///< delay of pictures after sweeps while driving
-  double noise_sd = 2.5;    ///< of every pixel and channel
-  double blur_px = 0.6;     ///< sigma of lens and sensor
+  double rate_hz = 10.0;
+  double offset_s = 0.035;
+  double noise_sd = 2.5;  ///< of every pixel and channel
+  double blur_px = 0.6;   ///< sigma of lens and sensor
   int jpeg_quality = 88;
-  double stamp_delay_s = 0.0;  ///< utime of a picture minus its exposure time
+  double stamp_delay_s = 0.0;
 };
 
 template <class Visitor>
 void describe(Visitor& v, ImageConfig& c) {
   v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "pictures per second while driving");
   v.number("offset_s", c.offset_s, 0, 1, "s", "time from a scan to its picture while driving");
-  v.number("noise_sd", c.noise_sd, 0, 50, "grey", "standard deviation of the noise of a pixel");
-  v.number("blur_px", c.blur_px, 0, 5, "px", "sigma of the blur; 0 = none");
-  v.integer("jpeg_quality", c.jpeg_quality, 10, 100, "1", "quality of the JPEG encoder");
   v.number("stamp_delay_s", c.stamp_delay_s, -0.5, 0.5, "s",
            "delay of the time stamp of a picture after its exposure");
 }
 
 /// The paper's simulated environment. Section `simulation.tubes`.
 struct TubesConfig {
-  double tube_spacing_m = 1.0;  ///< along a row
+  double tube_spacing_m = 1.0;
   double row_spacing_m = 1.6;
-  double jitter_m = 0.04;         ///< max offset of each tube from its nominal position
-  double first_tube_m = 3.3;      ///< from the robot's start to the first tubes
-  double step_m = 0.4;            ///< the robot's equal steps
-  int num_steps = 19;             ///< scan-image pairs
+  double jitter_m = 0.04;     ///< max offset of each tube from its nominal position
+  double first_tube_m = 3.3;  ///< from the robot's start to the first tubes
+  double step_m = 0.4;
+  int num_steps = 19;
   double step_period_s = 1.0;     ///< between two pairs
   double fix_sd_m = 0.001;        ///< of the position measured by hand
   double fix_yaw_sd_rad = 0.003;  ///< of the heading measured by hand
@@ -123,16 +120,9 @@ template <class Visitor>
 void describe(Visitor& v, TubesConfig& c) {
   v.number("tube_spacing_m", c.tube_spacing_m, 0.5, 3, "m", "distance between the tubes of a row");
   v.number("row_spacing_m", c.row_spacing_m, 1, 4, "m", "distance between the two rows");
-  v.number("jitter_m", c.jitter_m, 0, 0.1, "m", "max offset of a tube from its place");
-  v.number("first_tube_m", c.first_tube_m, 1, 5, "m", "distance from the start to the first tubes");
   v.number("step_m", c.step_m, 0.05, 2, "m", "length of a step of the robot");
   v.integer("num_steps", c.num_steps, 1, 1000, "1",
             "number of steps, each with a scan and a picture");
-  v.number("step_period_s", c.step_period_s, 0.1, 100, "s", "time between two steps");
-  v.number("fix_sd_m", c.fix_sd_m, 0, 1, "m",
-           "standard deviation of the position measured by hand");
-  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
-           "standard deviation of the heading measured by hand");
 }
 
 /// Scene orchard. Section `simulation.orchard`.
@@ -143,11 +133,11 @@ struct OrchardConfig {
   double tree_spacing_m = 2.0;
   double jitter_m = 0.15;  ///< max offset of a tree from its nominal position
   double missing_fraction = 0.08;
-  double trunk_width_m = 0.125;  ///< mean
+  double trunk_width_m = 0.125;
   double trunk_width_sd_m = 0.012;
-  double post_every_m = 10.0;  ///< trellis posts in the rows; 0 = none
+  double post_every_m = 10.0;
   double post_width_m = 0.08;
-  double wide_post_fraction = 0.25;  ///< fraction of posts as wide as a trunk
+  double wide_post_fraction = 0.25;
   int num_bushes = 6;
   double bark_hue_min_deg = 20.0;  ///< of the trunks; each trunk has its own
   double bark_hue_max_deg = 34.0;
@@ -155,16 +145,16 @@ struct OrchardConfig {
   double bark_saturation_max = 0.48;
   double bark_value_min = 0.45;
   double bark_value_max = 0.65;
-  bool rough_bark = false;      ///< patches of moss and grey, and bands, instead of uniform streaks
-  double lean_sd_rad = 0.0;     ///< lean of the trunks, in pictures only
-  double stop_every_m = 0.0;    ///< distance between stops for every scan and picture; 0: no stops
-  double weave_radps = 0.0;     ///< max yaw rate of weaving between the rows
-  double weave_period_s = 4.0;  ///< period of weaving
+  bool rough_bark = false;
+  double lean_sd_rad = 0.0;
+  double stop_every_m = 0.0;
+  double weave_radps = 0.0;
+  double weave_period_s = 4.0;
   double speed_mps = 1.0;
-  double headland_m = 3.0;      ///< distance driven beyond a row's end before turning
-  int laps = 0;                 ///< laps back to the start; 0: ends at the last alley
+  double headland_m = 3.0;
+  int laps = 0;
   bool start_anywhere = false;  ///< starts anywhere on the lap instead of at the map's origin
-  double fix_rate_hz = 10.0;    ///< of POSE_FIX; 0 = none
+  double fix_rate_hz = 10.0;
   double fix_sd_m = 0.015;
   double fix_yaw_sd_rad = 0.005;
 };
@@ -176,7 +166,6 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.integer("trees_per_row", c.trees_per_row, 1, 1000, "trees", "number of tree places per row");
   v.number("row_spacing_m", c.row_spacing_m, 1.5, 20, "m", "distance between rows");
   v.number("tree_spacing_m", c.tree_spacing_m, 0.3, 20, "m", "distance between the trees of a row");
-  v.number("jitter_m", c.jitter_m, 0, 2, "m", "max offset of a tree from its place");
   v.number("missing_fraction", c.missing_fraction, 0, 1, "1",
            "fraction of the places that are empty");
   v.number("trunk_width_m", c.trunk_width_m, 0.02, 2, "m", "mean trunk width");
@@ -184,7 +173,6 @@ void describe(Visitor& v, OrchardConfig& c) {
            "standard deviation of the trunk width");
   v.number("post_every_m", c.post_every_m, 0, 1000, "m",
            "distance between the posts of a row; 0 = no posts");
-  v.number("post_width_m", c.post_width_m, 0.02, 1, "m", "width of a post");
   v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1",
            "fraction of posts as wide as a trunk");
   v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "number of bushes among the trees");
@@ -209,7 +197,6 @@ void describe(Visitor& v, OrchardConfig& c) {
             "laps through all alleys and back to the start; 0 = only to the end of the last alley");
   v.flag("start_anywhere", c.start_anywhere, "start at a random position of the lap; needs laps");
   v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "rate of POSE_FIX; 0 = none");
-  v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "standard deviation of the position of a POSE_FIX");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
            "standard deviation of the yaw of a POSE_FIX");
   v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg",
@@ -223,14 +210,14 @@ void describe(Visitor& v, OrchardConfig& c) {
 
 /// Odometry and GNSS while driving. Section `simulation.motion`.
 struct MotionConfig {
-  double odometry_rate_hz = 50.0;         ///< 0 = none
-  double speed_scale_sd = 0.01;           ///< scale error of speed (wheel size), per run
-  double speed_sd_mps = 0.01;             ///< of each sample
-  double yaw_rate_bias_sd_radps = 0.001;  ///< of the bias, per run
-  double yaw_rate_sd_radps = 0.01;        ///< of each sample
-  double gnss_rate_hz = 5.0;              ///< 0 = none
-  double gnss_sd_m = 0.02;                ///< east and north; twice that upwards
-  std::array<double, 3> datum{-27.6040, 151.9320, 690.0};  ///< geodetic position of map's origin
+  double odometry_rate_hz = 50.0;
+  double speed_scale_sd = 0.01;
+  double speed_sd_mps = 0.01;
+  double yaw_rate_bias_sd_radps = 0.001;
+  double yaw_rate_sd_radps = 0.01;
+  double gnss_rate_hz = 5.0;
+  double gnss_sd_m = 0.02;  ///< east and north; twice that upwards
+  std::array<double, 3> datum{-27.6040, 151.9320, 690.0};
 };
 
 template <class Visitor>

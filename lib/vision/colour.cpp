@@ -13,8 +13,8 @@ HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window,
                            const ColourConfig& config) {
   cv::Mat hsv;
   cv::cvtColor(view_of(pixels, window), hsv, cv::COLOR_BGR2HSV);
-  const double saturation_min = 255.0 * config.saturation_min;
-  const double value_min = 255.0 * config.value_min;
+  const double saturation_min = 255.0 * ColourConfig::kSaturationMin;
+  const double value_min = 255.0 * ColourConfig::kValueMin;
   HueHistogram histogram;
   histogram.num_pixels = window.width_px * window.height_px;
   for (int y = 0; y < hsv.rows; ++y) {
@@ -54,7 +54,7 @@ bool hue_in_range(double hue_deg, double hue_min_deg, double hue_max_deg) {
 ColourEvidence colour_confidence(const HueHistogram& histogram, const ColourConfig& config) {
   ColourEvidence evidence;
   if (histogram.num_coloured == 0) return evidence;
-  evidence.dominant_hue_deg = dominant_hue_deg(histogram, config.hue_bins);
+  evidence.dominant_hue_deg = dominant_hue_deg(histogram, ColourConfig::kHueBins);
   evidence.passed = hue_in_range(evidence.dominant_hue_deg, config.hue_min_deg, config.hue_max_deg);
   if (!evidence.passed) return evidence;
   int num_inside = 0;

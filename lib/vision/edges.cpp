@@ -62,10 +62,9 @@ int num_rows_of(const std::vector<EdgePoint>& points) {
 
 }  // namespace
 
-PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
-                            const EdgeConfig& config) {
+PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture) {
   // Half the median filter, one pixel for the gradient, one for non-maximum suppression.
-  const int border = config.median_size_px / 2 + 2;
+  const int border = EdgeConfig::kMedianSize_px / 2 + 2;
   return intersection({window.x_px - border, window.y_px - border, window.width_px + 2 * border,
                        window.height_px + 2 * border},
                       picture);
@@ -80,7 +79,7 @@ EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConf
   map.area = area;
   cv::Mat grey;
   cv::cvtColor(view_of(pixels, area), grey, cv::COLOR_BGR2GRAY);
-  if (config.median_size_px > 1) cv::medianBlur(grey, grey, config.median_size_px);
+  cv::medianBlur(grey, grey, EdgeConfig::kMedianSize_px);
   map.edges = canny(grey.data, grey.cols, grey.rows, config.canny_low, config.canny_high);
   return map;
 }

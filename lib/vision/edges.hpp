@@ -32,8 +32,7 @@ EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConf
 
 /// The area to decode for a window: with the padding that the filters need to give the same result
 /// at the window's border as in the whole image.
-PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
-                            const EdgeConfig& config);
+PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture);
 
 /// Finds a trunk's edge in a window: the straight line with edge pixels in most rows; among equals
 /// the one nearest to `expected_x_px`.

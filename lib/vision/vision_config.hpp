@@ -10,7 +10,7 @@ struct WindowConfig {
   double colour_height_m = 0.20;
   double edge_width_m = 0.06;
   double edge_height_m = 0.20;
-  int min_size_px = 4;  ///< smaller windows count as unseen
+  static constexpr int kMinSize_px = 4;  ///< smaller windows count as unseen
 };
 
 template <class Visitor>
@@ -23,17 +23,15 @@ void describe(Visitor& v, WindowConfig& c) {
                     "width of the edge window, across the edge");
   v.expert().number("edge_height_m", c.edge_height_m, 0.005, 3, "m",
                     "height of the edge window, along the edge");
-  v.expert().integer("min_size_px", c.min_size_px, 1, 200, "px",
-                     "min window size; smaller windows count as UNSEEN");
 }
 
 /// The colour rule of the paper's figure 8. Section `detector.colour`.
 struct ColourConfig {
-  double hue_min_deg = 17.6;  ///< circular interval [min, max]; min > max wraps through red
+  double hue_min_deg = 17.6;
   double hue_max_deg = 44.6;
-  double saturation_min = 0.10;  ///< paler pixels have no hue
-  double value_min = 0.10;       ///< darker pixels have no hue
-  int hue_bins = 36;             ///< bins of the histogram whose peak is the dominant hue
+  static constexpr double kSaturationMin = 0.10;  ///< paler pixels have no hue
+  static constexpr double kValueMin = 0.10;       ///< darker pixels have no hue
+  static constexpr int kHueBins = 36;  ///< bins of the histogram whose peak is the dominant hue
 };
 
 template <class Visitor>
@@ -42,12 +40,6 @@ void describe(Visitor& v, ColourConfig& c) {
            "lower end of the hue of trunks; above hue_max_deg the interval wraps through red; from "
            "`orchard calibrate trunks`");
   v.number("hue_max_deg", c.hue_max_deg, 0, 360, "deg", "upper end of the hue of trunks");
-  v.expert().number("saturation_min", c.saturation_min, 0, 1, "1",
-                    "min saturation; paler pixels have no hue");
-  v.expert().number("value_min", c.value_min, 0, 1, "1",
-                    "min value (brightness); darker pixels have no hue");
-  v.expert().integer("hue_bins", c.hue_bins, 6, 180, "bins",
-                     "bins of the hue histogram, whose peak is the dominant hue");
 }
 
 enum class LineFit {
@@ -60,9 +52,9 @@ struct EdgeConfig {
   LineFit fit = LineFit::kTotalMinSquares;
   double canny_low = 40;
   double canny_high = 100;
-  int median_size_px = 3;    ///< odd
-  int min_points = 5;        ///< min number of edge pixels on a line
-  double max_tilt_deg = 20;  ///< from the image's vertical
+  static constexpr int kMedianSize_px = 3;  ///< odd
+  int min_points = 5;
+  double max_tilt_deg = 20;
 };
 
 template <class Visitor>
@@ -73,13 +65,10 @@ void describe(Visitor& v, EdgeConfig& c) {
                     "lower threshold of the Canny detector");
   v.expert().number("canny_high", c.canny_high, 1, 1000, "grey",
                     "upper threshold of the Canny detector");
-  v.expert().integer("median_size_px", c.median_size_px, 1, 15, "px",
-                     "size of the median filter (odd)");
   v.expert().integer("min_points", c.min_points, 2, 1000, "px", "min edge pixels of a line");
   v.expert().number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg",
                     "max tilt of a trunk's edge from the vertical");
   v.check(c.canny_low < c.canny_high, "canny_low", "must be below canny_high");
-  v.check(c.median_size_px % 2 == 1, "median_size_px", "must be odd");
 }
 
 }  // namespace orchard::vision

@@ -102,7 +102,7 @@ void whole_frame_once(const Situation& s) {
   cv::Mat hsv, grey, edges;
   cv::cvtColor(picture, hsv, cv::COLOR_BGR2HSV);
   cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-  cv::medianBlur(grey, grey, s.rig.detector.edges.median_size_px);
+  cv::medianBlur(grey, grey, vision::EdgeConfig::kMedianSize_px);
   cv::Canny(grey, edges, s.rig.detector.edges.canny_low, s.rig.detector.edges.canny_high);
   benchmark::DoNotOptimize(hsv.data);
   benchmark::DoNotOptimize(edges.data);

@@ -85,7 +85,7 @@ std::vector<ObjectTrack> track_objects(const std::vector<TrunkObservation>& obse
     }
     track.seen.num_observations = static_cast<int>(track.seen.observations.size());
     track.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
-    track.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
+    track.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, vision::ColourConfig::kHueBins);
   }
   return tracks;
 }

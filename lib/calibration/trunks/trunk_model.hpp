@@ -28,7 +28,6 @@ struct TrunkModelOptions {
   double hue_spread_deg = 20.0;  ///< max difference from the typical dominant hue
   double hue_tail = 0.02;        ///< fraction of coloured pixels excluded at each end
   double hue_margin_deg = 2.0;   ///< added to the hue interval at each end
-  int hue_bins = 36;             ///< for dominant hues
   double separation_min = 4.0;   ///< min separation of populations in pooled standard deviations
   double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
   std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic

@@ -94,7 +94,7 @@ std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const visi
   std::vector<TrunkObservation> observations;
   if (rig.has_camera && !image) return observations;
   const auto segments = laser::segment(scan, rig.detector.segmentation, rig.detector.width,
-                                       rig.laser, rig.detector.roc_laser_threshold);
+                                       rig.laser, detection::DetectorConfig::kRocLaserMin);
   const auto taken = rig.has_camera ? windows_of(segments, rig) : std::vector<vision::PixelRect>{};
   for (const laser::Segment& segment : segments) {
     if (segment.occluded_left || segment.occluded_right) continue;

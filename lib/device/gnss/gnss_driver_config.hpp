@@ -14,22 +14,23 @@ enum class GnssStamp {
 
 /// The receiver of orchard-gnss-driver, read through gpsd. Section `drivers.gnss`.
 struct GnssDriverConfig {
-  std::string device;    ///< empty: no receiver
-  std::string receiver;  ///< gpsd's name of the receiver; empty: the first that reports
+  std::string device;
+  std::string receiver;
   GnssStamp stamp = GnssStamp::kReceipt;
-  double latency_s = 0.1;  ///< min delay from the instant of a fix to its arrival
+  double latency_s = 0.1;
 };
 
 template <class Visitor>
 void describe(Visitor& v, GnssDriverConfig& c) {
   v.text("device", c.device, "address of gpsd: tcp:127.0.0.1:2947; empty = no receiver");
-  v.text("receiver", c.receiver,
-         "name of the receiver in gpsd (/dev/ttyACM0); empty = the first that reports");
-  v.choice("stamp", c.stamp, {"receipt", "fix_time"},
-           "time stamp: arrival minus latency_s | time of the fix, if the clock of this machine is "
-           "synchronised to satellite time");
-  v.number("latency_s", c.latency_s, 0, 2, "s",
-           "stamp: receipt: min delay from a fix to its arrival; from the data sheet");
+  v.expert().text("receiver", c.receiver,
+                  "name of the receiver in gpsd (/dev/ttyACM0); empty = the first that reports");
+  v.expert().choice(
+      "stamp", c.stamp, {"receipt", "fix_time"},
+      "time stamp: arrival minus latency_s | time of the fix, if the clock of this machine is "
+      "synchronised to satellite time");
+  v.expert().number("latency_s", c.latency_s, 0, 2, "s",
+                    "stamp: receipt: min delay from a fix to its arrival; from the data sheet");
 }
 
 }  // namespace orchard::device

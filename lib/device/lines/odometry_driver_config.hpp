@@ -8,12 +8,12 @@ namespace orchard::device {
 
 /// The wheels' controller of orchard-odometry-driver. Section `drivers.odometry`.
 struct OdometryDriverConfig {
-  std::string device;  ///< empty: no controller that sends lines
+  std::string device;
   /// What one tick of the left and of the right wheel is worth; negative for a wheel that counts
   /// backwards when the robot drives forward.
   std::array<double, 2> metres_per_tick{0.001, 0.001};
-  double wheel_distance_m = 0.5;  ///< between the tracks of the left and the right wheel
-  int counter_bits = 32;          ///< the wheels' counters wrap at 2^counter_bits
+  double wheel_distance_m = 0.5;
+  int counter_bits = 32;
 };
 
 template <class Visitor>
@@ -25,15 +25,15 @@ void describe(Visitor& v, OdometryDriverConfig& c) {
             "counts backwards");
   v.number("wheel_distance_m", c.wheel_distance_m, 0.01, 10, "m",
            "T lines: distance between the tracks of the left and the right wheel");
-  v.integer("counter_bits", c.counter_bits, 8, 64, "1",
-            "T lines: size of the tick counters, which wrap at 2^counter_bits");
+  v.expert().integer("counter_bits", c.counter_bits, 8, 64, "1",
+                     "T lines: size of the tick counters, which wrap at 2^counter_bits");
 }
 
 /// The inertial unit: of orchard-imu-driver, or on the same line as the wheels. Section
 /// `drivers.imu`.
 struct ImuDriverConfig {
-  std::string device;                              ///< empty: none, or on the wheels' line
-  std::array<double, 3> mount_rad{0.0, 0.0, 0.0};  ///< roll, pitch, yaw of the unit in base
+  std::string device;
+  std::array<double, 3> mount_rad{0.0, 0.0, 0.0};
 };
 
 template <class Visitor>

@@ -24,7 +24,7 @@ double square(double x) { return x * x; }
 PartEvidence::PartEvidence(const WidthConfig& width, const SegmentationConfig& config,
                            double beam_spacing_m, double span_m, double range_sd_m, int num_beams)
     : width_(width),
-      width_sd_m_(std::max(width.sd_m, width.sd_floor_m)),
+      width_sd_m_(std::max(width.sd_m, WidthConfig::kSdFloor_m)),
       width_max_m_(config.width_max_m),
       beam_spacing_m_(beam_spacing_m),
       span_m_(span_m + beam_spacing_m),

@@ -66,7 +66,7 @@ void Fusion::add(const Measurement& measurement) {
 
 void Fusion::add(const Odometry& odometry) {
   const double silent_s = time_since_motion_s(odometry.utime);
-  if (silent_s > config_.odometry_gap_max_s) {
+  if (silent_s > PoseConfig::kOdometryGapMax_s) {
     move_to(odometry.utime);
     ++num_odometry_gaps_;
     odometry_gap_max_s_ = std::max(odometry_gap_max_s_, silent_s);
@@ -305,7 +305,7 @@ void Fusion::move_to(std::int64_t utime) {
     return;
   }
   const double silent_s = time_since_motion_s(utime);
-  if (silent_s <= config_.odometry_gap_max_s) {
+  if (silent_s <= PoseConfig::kOdometryGapMax_s) {
     move_to(utime, odometry_->speed_mps, odometry_->yaw_rate_radps);
     return;
   }

@@ -11,8 +11,8 @@ struct FusionConfig {
   /// The wheels' lasting errors are estimated. Else each reading errs by itself, by what it states:
   /// what nothing can teach would only widen the gates of the mapping. Not a key: by pose.mode.
   bool learns_wheels = true;
-  double speed_scale_sd = 0.05;  ///< prior of the wheels' scale error, estimated while driving
-  double gyro_sd_radps = 0.005;  ///< of an IMU without variance
+  double speed_scale_sd = 0.05;
+  double gyro_sd_radps = 0.005;
 };
 
 template <class Visitor>

@@ -16,13 +16,13 @@ constexpr std::int8_t kFloat = 5;
 double least_sd_m(const GnssConfig& config, std::int8_t quality) {
   switch (quality) {
     case kFixed:
-      return config.sd_fixed_m;
+      return GnssConfig::kSdFixed_m;
     case kFloat:
-      return config.sd_float_m;
+      return GnssConfig::kSdFloat_m;
     case kDifferential:
-      return config.sd_differential_m;
+      return GnssConfig::kSdDifferential_m;
     default:
-      return config.sd_single_m;
+      return GnssConfig::kSdSingle_m;
   }
 }
 

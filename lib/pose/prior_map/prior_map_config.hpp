@@ -13,26 +13,26 @@ enum class PriorStart {
 
 /// Configuration of localisation in the map of an earlier day. Section `pose.prior_map`.
 struct PriorMapConfig {
-  std::string map_file;  ///< map.csv, or the folder that holds it
+  std::string map_file;
   PriorStart start = PriorStart::kGlobal;
-  double start_x_m = 0.0;  ///< pose of base in the prior map
+  double start_x_m = 0.0;
   double start_y_m = 0.0;
   double start_yaw_rad = 0.0;
-  double start_position_sd_m = 0.3;
-  double start_yaw_sd_rad = 0.1;
+  static constexpr double kStartPositionSd_m = 0.3;
+  static constexpr double kStartYawSd_rad = 0.1;
 
-  int min_observations = 2;               ///< landmarks seen less often are not used
-  double landmark_sd_m = 0.05;            ///< of a landmark relative to its neighbours
-  double width_sd_m = 0.01;               ///< repeatability of a trunk's width between two days
-  double observation_sd_m = 0.02;         ///< of a centre, added to the detector's covariance
-  double observation_range_max_m = 10.0;  ///< farther objects are not used
-  double detection_range_m = 4.0;         ///< range within which most unoccluded trunks are seen
+  int min_observations = 2;
+  static constexpr double kLandmarkSd_m = 0.05;  ///< of a landmark relative to its neighbours
+  double width_sd_m = 0.01;
+  double observation_sd_m = 0.02;
+  double observation_range_max_m = 10.0;
+  double detection_range_m = 4.0;
 
-  double speed_scale_sd = 0.03;           ///< prior of the wheels' speed scale
-  double turn_scale_sd = 0.03;            ///< prior of the scale of their turns
-  double yaw_rate_bias_sd_radps = 0.005;  ///< prior of their yaw rate bias
+  double speed_scale_sd = 0.03;
+  double turn_scale_sd = 0.03;
+  double yaw_rate_bias_sd_radps = 0.005;
 
-  double window_m = 15.0;  ///< length of the path whose trunks are compared with the map
+  double window_m = 15.0;
 };
 
 template <class Visitor>
@@ -47,14 +47,8 @@ void describe(Visitor& v, PriorMapConfig& c) {
                     "start: given: y of base in the prior map");
   v.expert().number("start_yaw_rad", c.start_yaw_rad, -6.2832, 6.2832, "rad",
                     "start: given: yaw of base in the prior map");
-  v.expert().number("start_position_sd_m", c.start_position_sd_m, 0.001, 10, "m",
-                    "start: given: standard deviation of the position");
-  v.expert().number("start_yaw_sd_rad", c.start_yaw_sd_rad, 0.001, 1, "rad",
-                    "start: given: standard deviation of the yaw");
   v.expert().integer("min_observations", c.min_observations, 0, 1000000, "1",
                      "min observations of a landmark of the prior map to be used");
-  v.expert().number("landmark_sd_m", c.landmark_sd_m, 0.001, 1, "m",
-                    "standard deviation of the landmarks' positions relative to their neighbours");
   v.expert().number(
       "width_sd_m", c.width_sd_m, 0.001, 1, "m",
       "standard deviation of the change of a trunk's measured width between two days");

@@ -129,8 +129,9 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
   if (utime_) return;
   utime_ = utime;
   if (config_.start != PriorStart::kGiven) return;
-  const double position_variance = config_.start_position_sd_m * config_.start_position_sd_m;
-  const double yaw_variance = config_.start_yaw_sd_rad * config_.start_yaw_sd_rad;
+  const double position_variance =
+      PriorMapConfig::kStartPositionSd_m * PriorMapConfig::kStartPositionSd_m;
+  const double yaw_variance = PriorMapConfig::kStartYawSd_rad * PriorMapConfig::kStartYawSd_rad;
   tracker_.start({config_.start_x_m, config_.start_y_m, config_.start_yaw_rad},
                  Eigen::Vector3d(position_variance, position_variance, yaw_variance).asDiagonal());
   tracking_ = true;
@@ -147,7 +148,7 @@ void PriorMapLocaliser::advance_to(std::int64_t utime) {
       last_odometry_ ? timing::seconds(utime - last_odometry_->utime) : kMaxStep_s;
   const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
   const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
-  if (silence <= pose_config_.odometry_gap_max_s) {
+  if (silence <= PoseConfig::kOdometryGapMax_s) {
     advance_to(utime, speed_mps, yaw_rate_radps, covariance_of(*last_odometry_));
   } else {
     advance_to(utime, speed_mps, yaw_rate_radps,
@@ -293,7 +294,7 @@ std::string PriorMapLocaliser::warning() const {
     return "the last " + std::to_string(num_unreliable_) +
            " scans could not be matched: the motion between trees is extrapolated";
   }
-  if (last_odometry_ && time_since_motion_s() > pose_config_.odometry_gap_max_s) {
+  if (last_odometry_ && time_since_motion_s() > PoseConfig::kOdometryGapMax_s) {
     return "no ODOMETRY for " + fixed_text(time_since_motion_s(), 1) +
            " s: the motion between scans is extrapolated";
   }

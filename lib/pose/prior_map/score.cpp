@@ -48,7 +48,7 @@ HypothesisScorer::HypothesisScorer(const PriorMap& map, const PriorMapConfig& co
     : map_(map),
       config_(config),
       evidence_(std::move(evidence)),
-      position_variance_(config.landmark_sd_m * config.landmark_sd_m +
+      position_variance_(PriorMapConfig::kLandmarkSd_m * PriorMapConfig::kLandmarkSd_m +
                          config.observation_sd_m * config.observation_sd_m),
       gate_radius_m_(std::min(kScoreGate_m, 0.45 * map.spacing_m())) {}
 

@@ -53,7 +53,7 @@ PriorMapSearch::PriorMapSearch(const PriorMap& map, const PriorMapConfig& config
 void PriorMapSearch::choose_seeds() {
   const auto& trunks = scorer_.evidence().trunks;
   const double pair_sd_m =
-      std::sqrt(2.0) * std::hypot(config_.landmark_sd_m, config_.observation_sd_m);
+      std::sqrt(2.0) * std::hypot(PriorMapConfig::kLandmarkSd_m, config_.observation_sd_m);
   std::vector<Seed> candidates;
   const int num = static_cast<int>(std::min(trunks.size(), kSeedTrunks));
   for (int i = 0; i < num; ++i) {
@@ -113,7 +113,7 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
   const Eigen::Vector2d from_local = b.p_local - a.p_local;
   const Eigen::Vector2d from_map = map_[second].p_map - map_[first].p_map;
   const double length_m = from_local.norm();
-  const double end_variance = config_.landmark_sd_m * config_.landmark_sd_m +
+  const double end_variance = PriorMapConfig::kLandmarkSd_m * PriorMapConfig::kLandmarkSd_m +
                               config_.observation_sd_m * config_.observation_sd_m;
 
   PoseHypothesis start;

@@ -141,7 +141,7 @@ PriorMapTracker::Match PriorMapTracker::best_match(const ScanObservation& observ
                                                    const std::vector<std::int32_t>& taken) const {
   const Eigen::Matrix<double, 2, 6> H = jacobian(observation);
   const Eigen::Matrix2d R = rotation(x_(2));
-  const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m;
+  const double map_variance = PriorMapConfig::kLandmarkSd_m * PriorMapConfig::kLandmarkSd_m;
   const Eigen::Matrix2d S = H * P_ * H.transpose() + R * observation.covariance * R.transpose() +
                             map_variance * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d p_map = transform(x_.head<3>(), observation.p_base);
@@ -174,7 +174,8 @@ void PriorMapTracker::update(const ScanObservation& observation, const Match& ma
   const Eigen::Matrix2d R = rotation(x_(2));
   const double own_sd_m = map_[match.landmark].sd_m;
   const double map_variance =
-      (config_.landmark_sd_m * config_.landmark_sd_m + own_sd_m * own_sd_m) * kSightingsPerTree;
+      (PriorMapConfig::kLandmarkSd_m * PriorMapConfig::kLandmarkSd_m + own_sd_m * own_sd_m) *
+      kSightingsPerTree;
   const Eigen::Matrix2d N =
       R * observation.covariance * R.transpose() + map_variance * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 6, 2> PHt = P_ * H.transpose();

@@ -5,11 +5,11 @@ namespace orchard::pose {
 
 /// Configuration of the motion estimate by scan matching. Section `pose.scan_motion`.
 struct ScanMotionConfig {
-  double range_min_m = 0.3;   ///< nearer returns are the robot itself
-  double range_max_m = 30.0;  ///< farther returns are not used
-  bool deskew = true;         ///< undo the motion within a scan that states its beam period
+  double range_min_m = 0.3;
+  double range_max_m = 30.0;
+  bool deskew = true;
 
-  double search_shift_m = 0.6;  ///< search window to each side of the predicted position
+  double search_shift_m = 0.6;
 };
 
 template <class Visitor>

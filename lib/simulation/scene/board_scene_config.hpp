@@ -27,9 +27,9 @@ struct BoardSceneConfig {
   int rows = 5;
   double square_m = 0.08;
   double margin_m = 0.04;  ///< of white board beyond the outer squares
-  int num_poses = 24;      ///< number of still poses
+  int num_poses = 24;
   double hold_s = 0.8;
-  double move_s = 0.5;         ///< from one pose to the next
+  double move_s = 0.5;
   double range_min_m = 0.8;    ///< from the laser to the board's middle
   double range_max_m = 1.9;    ///< beyond it, the squares are too small in 320x240 pixels
   double tilt_max_rad = 0.7;   ///< of the board's normal from the line of sight
@@ -42,24 +42,10 @@ struct BoardSceneConfig {
 
 template <class Visitor>
 void describe(Visitor& v, BoardSceneConfig& c) {
-  v.integer("columns", c.columns, 3, 40, "corners", "inner corners per row of the chessboard");
-  v.integer("rows", c.rows, 3, 40, "corners", "inner corners per column");
-  v.number("square_m", c.square_m, 0.005, 1, "m", "side of a square");
-  v.number("margin_m", c.margin_m, 0, 1, "m", "width of the white margin around the squares");
   v.integer("num_poses", c.num_poses, 1, 1000, "poses",
             "number of poses in which the board is held still");
   v.number("hold_s", c.hold_s, 0.1, 100, "s", "time for which each pose is held");
   v.number("move_s", c.move_s, 0, 100, "s", "time to move from one pose to the next");
-  v.number("range_min_m", c.range_min_m, 0.2, 50, "m",
-           "min distance from the laser to the middle of the board");
-  v.number("range_max_m", c.range_max_m, 0.2, 50, "m",
-           "max distance from the laser to the middle of the board");
-  v.number("tilt_max_rad", c.tilt_max_rad, 0, 1.3, "rad",
-           "max tilt of the board from the line of sight");
-  v.number("tremor_m", c.tremor_m, 0, 0.1, "m",
-           "standard deviation of the position of a held board");
-  v.number("tremor_rad", c.tremor_rad, 0, 0.1, "rad",
-           "standard deviation of the orientation of a held board");
   v.choice("handling", c.handling,
            {"careful", "parallel", "turned_only", "leaned_only", "two_orientations", "still",
             "small_tilts"},
@@ -67,7 +53,6 @@ void describe(Visitor& v, BoardSceneConfig& c) {
   v.choice("seen_by", c.seen_by, {"both", "camera_only", "laser_only"},
            "sensors that observe the board");
   v.choice("flip", c.flip, {"none", "left_right", "top_bottom"}, "mirroring of the pictures");
-  v.check(c.range_min_m <= c.range_max_m, "range_min_m", "must not be above range_max_m");
 }
 
 }  // namespace orchard::simulation

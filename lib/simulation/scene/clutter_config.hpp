@@ -6,25 +6,25 @@ namespace orchard::simulation {
 /// Additional objects in scene orchard. Section `simulation.clutter`. All are off by default; no
 /// entry moves a tree or a post, and each kind has its own random numbers.
 struct ClutterConfig {
-  bool post_materials = false;  ///< trellis posts of steel, timber and concrete instead of paint
-  double trunk_post_fraction = 0.0;  ///< additional posts of trunk width, per tree position
-  double stake_fraction = 0.0;       ///< of the trees with a stake beside them
-  double twin_fraction = 0.0;        ///< of the trees with a second, touching stem
+  bool post_materials = false;
+  double trunk_post_fraction = 0.0;
+  double stake_fraction = 0.0;
+  double twin_fraction = 0.0;
   int num_crates = 0;
-  double leaf_depth_m = 0.0;    ///< mean depth of beams in leafy bushes; 0: bushes of twigs
-  double bush_sway_m = 0.0;     ///< amplitude of a bush's moving twigs
-  double grass_per_tree = 0.0;  ///< mean number of stalks around a trunk that reach the scan plane
-  double twigs_per_tree = 0.0;  ///< mean number of twigs hanging into the scan plane
-  double sway_m = 0.0;          ///< amplitude of stalks and twigs in the wind
-  int num_branches = 0;         ///< fallen branches at the height of the scan plane
+  double leaf_depth_m = 0.0;
+  double bush_sway_m = 0.0;
+  double grass_per_tree = 0.0;
+  double twigs_per_tree = 0.0;
+  double sway_m = 0.0;
+  int num_branches = 0;
   int num_people = 0;
-  bool people_around = false;  ///< some walk beside or behind the robot, or stand until it passes
+  bool people_around = false;
   double person_speed_mps = 1.3;
   int num_vehicles = 0;
   double vehicle_speed_mps = 3.0;
   bool row_end_hedges = false;
-  double foliage = 0.0;  ///< fraction of a crown filled by leaves, for the camera; 0: no crowns
-  double reflector_tree_fraction = 0.0;  ///< trees with a reflector band (in intensities)
+  double foliage = 0.0;
+  double reflector_tree_fraction = 0.0;
   double reflector_post_fraction = 0.0;
 };
 
@@ -56,7 +56,6 @@ void describe(Visitor& v, ClutterConfig& c) {
   v.number("person_speed_mps", c.person_speed_mps, 0.1, 3, "m/s", "speed of the people");
   v.integer("num_vehicles", c.num_vehicles, 0, 100, "1",
             "number of vehicles that stand in an alley and drive off ahead of the robot");
-  v.number("vehicle_speed_mps", c.vehicle_speed_mps, 0.5, 20, "m/s", "speed of the vehicles");
   v.flag("row_end_hedges", c.row_end_hedges, "hedges beyond both ends of the rows");
   v.number("foliage", c.foliage, 0, 1, "1", "fraction of a crown filled by leaves; 0 = no crowns");
   v.number("reflector_tree_fraction", c.reflector_tree_fraction, 0, 1, "1",

@@ -7,9 +7,9 @@ namespace orchard::simulation {
 
 /// Time of an event: once or periodic. Off when its duration is 0.
 struct EpisodeConfig {
-  double at_s = 0.0;     ///< first time, since the start of the drive
-  double for_s = 0.0;    ///< duration; 0: never
-  double every_s = 0.0;  ///< period; 0: once
+  double at_s = 0.0;
+  double for_s = 0.0;
+  double every_s = 0.0;
 
   /// Index of the occurrence at a time of the run, from 0; -1: none.
   int number_at(double time_s) const {
@@ -29,69 +29,58 @@ void describe(Visitor& v, EpisodeConfig& c) {
 
 /// Errors of wheel encoders beyond section `motion`. Section `simulation.wheels`.
 struct WheelsConfig {
-  double yaw_rate_scale_sd = 0.0;     ///< scale error of the yaw rate (track width), per run
-  double turn_slip_sd = 0.0;          ///< scale error of speed and yaw rate in each curve
-  EpisodeConfig outage;               ///< no ODOMETRY
-  double surface_slip_sd = 0.0;       ///< scale error of speed that depends on the ground
-  double surface_turn_slip_sd = 0.0;  ///< scale error of the yaw rate that depends on the ground
-  double surface_m = 15.0;            ///< size of a patch of ground
-  double load_sd = 0.0;               ///< scale error of speed that depends on the load
-  double load_every_s = 400.0;        ///< from one change of the load to the next
-  double bias_wander_sd_radps = 0.0;  ///< varying bias of the yaw rate
-  double bias_wander_s = 60.0;        ///< time constant of that bias
-  bool states_covariance = true;      ///< false: ODOMETRY has no covariance, as on most robots
+  double yaw_rate_scale_sd = 0.0;
+  double turn_slip_sd = 0.0;  ///< scale error of speed and yaw rate in each curve
+  EpisodeConfig outage;
+  double surface_slip_sd = 0.0;
+  double surface_turn_slip_sd = 0.0;
+  double surface_m = 15.0;  ///< size of a patch of ground
+  double load_sd = 0.0;
+  double load_every_s = 400.0;  ///< from one change of the load to the next
+  double bias_wander_sd_radps = 0.0;
+  double bias_wander_s = 60.0;  ///< time constant of that bias
+  bool states_covariance = true;
 };
 
 template <class Visitor>
 void describe(Visitor& v, WheelsConfig& c) {
   v.number("yaw_rate_scale_sd", c.yaw_rate_scale_sd, 0, 0.5, "1",
            "standard deviation of the scale error of the yaw rate, per run");
-  v.number("turn_slip_sd", c.turn_slip_sd, 0, 0.5, "1",
-           "standard deviation of the scale errors of speed and yaw rate in each curve");
   v.section("outage", c.outage, "periods without ODOMETRY");
   v.number("surface_slip_sd", c.surface_slip_sd, 0, 0.5, "1",
            "standard deviation of the scale error of speed, which depends on the ground");
   v.number("surface_turn_slip_sd", c.surface_turn_slip_sd, 0, 0.5, "1",
            "standard deviation of the scale error of yaw rate, which depends on the ground");
-  v.number("surface_m", c.surface_m, 0.5, 1000, "m", "size of a patch of equal ground");
   v.number("load_sd", c.load_sd, 0, 0.5, "1",
            "standard deviation of the scale error of speed, which depends on the load");
-  v.number("load_every_s", c.load_every_s, 1, 1e6, "s", "interval of changes of the load");
   v.number("bias_wander_sd_radps", c.bias_wander_sd_radps, 0, 1, "rad/s",
            "standard deviation of the wandering bias of the yaw rate");
-  v.number("bias_wander_s", c.bias_wander_s, 1, 1e6, "s", "time constant of that bias");
   v.flag("states_covariance", c.states_covariance, "ODOMETRY states its covariance");
 }
 
 /// Time-correlated errors and availability of a GNSS receiver. Section `simulation.gnss.sky`.
 struct SkyConfig {
-  double wander_sd_m = 0.0;         ///< of the slowly varying error, per axis
-  double wander_time_s = 60.0;      ///< its correlation time (to 1/e)
-  double gap_every_s = 0.0;         ///< mean time with fixes between two gaps; 0 = no gaps
-  double gap_min_s = 20.0;          ///< min gap; lengths are uniform in their logarithm
-  double gap_max_s = 180.0;         ///< max gap
-  double burst_s = 0.0;             ///< mean length of a burst of fixes; 0 = no bursts
-  double pause_s = 0.0;             ///< mean length of the pause after it
-  double multipath_fraction = 0.0;  ///< fraction of time with reflected signals
-  double multipath_for_s = 8.0;     ///< mean duration of a reflection
-  double multipath_m = 10.0;        ///< mean length of its error, which is constant meanwhile
+  double wander_sd_m = 0.0;
+  double wander_time_s = 60.0;  ///< its correlation time (to 1/e)
+  double gap_every_s = 0.0;
+  double gap_min_s = 20.0;   ///< min gap; lengths are uniform in their logarithm
+  double gap_max_s = 180.0;  ///< max gap
+  double burst_s = 0.0;
+  double pause_s = 0.0;
+  double multipath_fraction = 0.0;
+  double multipath_for_s = 8.0;  ///< mean duration of a reflection
+  double multipath_m = 10.0;     ///< mean length of its error, which is constant meanwhile
 };
 
 template <class Visitor>
 void describe(Visitor& v, SkyConfig& c) {
   v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m",
            "standard deviation of the slowly changing error, per axis");
-  v.number("wander_time_s", c.wander_time_s, 1, 1e5, "s", "time constant of that error");
   v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean time between gaps; 0 = no gaps");
-  v.number("gap_min_s", c.gap_min_s, 0.1, 1e4, "s", "min length of a gap");
-  v.number("gap_max_s", c.gap_max_s, 0.1, 1e4, "s", "max length of a gap");
   v.number("burst_s", c.burst_s, 0, 1e4, "s", "mean length of a burst of fixes; 0 = no bursts");
   v.number("pause_s", c.pause_s, 0, 1e4, "s", "mean length of the pause after a burst");
   v.number("multipath_fraction", c.multipath_fraction, 0, 0.9, "1",
            "fraction of the time with multipath");
-  v.number("multipath_for_s", c.multipath_for_s, 0.1, 1e4, "s", "mean duration of multipath");
-  v.number("multipath_m", c.multipath_m, 0, 1000, "m", "mean error by multipath");
-  v.check(c.gap_min_s <= c.gap_max_s, "gap_min_s", "must not be above gap_max_s");
 }
 
 /// Antenna position and errors of the GNSS receiver. Section `simulation.gnss`.
@@ -100,9 +89,9 @@ struct ReceiverConfig {
   double canopy_fraction = 0.0;               ///< fraction of the alley segments without sky view
   double canopy_length_m = 10.0;              ///< length of a segment
   double canopy_sd_m = 0.0;                   ///< noise there, stated correctly; 0: no fix
-  double stated_sd_m = 0.0;  ///< standard deviation in the covariance; 0: the true one
-  EpisodeConfig outage;      ///< no GNSS
-  double jump_m = 30.0;      ///< error of fixes during `jump`
+  double stated_sd_m = 0.0;
+  EpisodeConfig outage;
+  double jump_m = 30.0;
   EpisodeConfig jump;
   EpisodeConfig freeze;  ///< repeats the same position
   SkyConfig sky;
@@ -110,14 +99,6 @@ struct ReceiverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ReceiverConfig& c) {
-  v.numbers("antenna_m", c.antenna_m, -20, 20, "m, m",
-            "position of the antenna in base: forward, left");
-  v.number("canopy_fraction", c.canopy_fraction, 0, 1, "1",
-           "fraction of the path along rows under a dense canopy");
-  v.number("canopy_length_m", c.canopy_length_m, 0.5, 1000, "m",
-           "length of a stretch under a dense canopy");
-  v.number("canopy_sd_m", c.canopy_sd_m, 0, 100, "m",
-           "noise of fixes there, stated correctly; 0 = no fix at all");
   v.number("stated_sd_m", c.stated_sd_m, 0, 100, "m",
            "standard deviation that fixes state; 0 = the true one");
   v.section("outage", c.outage, "periods without GNSS");
@@ -129,42 +110,29 @@ void describe(Visitor& v, ReceiverConfig& c) {
 
 /// An IMU on base; the defaults are those of a small MEMS unit. Section `simulation.imu`.
 struct ImuConfig {
-  double rate_hz = 0.0;                     ///< 0 = none
+  double rate_hz = 0.0;
   double angular_rate_sd_radps = 0.002;     ///< of each sample and axis
   double yaw_rate_bias_sd_radps = 0.003;    ///< of the initial bias, per run
   double yaw_rate_walk = 3e-5;              ///< random walk of the bias [rad/s/sqrt(s)]
   double acceleration_sd_mps2 = 0.05;       ///< of each sample and axis
   double acceleration_bias_sd_mps2 = 0.05;  ///< of the bias forward and left, per run
-  bool orientation = false;                 ///< whether it reports roll, pitch and yaw
-  double orientation_sd_rad = 0.01;         ///< of each sample
-  double yaw_bias_sd_rad = 0.03;            ///< of the error of north, per run
+  bool orientation = false;
+  double orientation_sd_rad = 0.01;  ///< of each sample
+  double yaw_bias_sd_rad = 0.03;     ///< of the error of north, per run
 };
 
 template <class Visitor>
 void describe(Visitor& v, ImuConfig& c) {
   v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "rate of IMU; 0 = none");
-  v.number("angular_rate_sd_radps", c.angular_rate_sd_radps, 0, 3, "rad/s",
-           "standard deviation of the noise of an angular rate");
-  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s",
-           "standard deviation of the bias of the yaw rate, per run");
-  v.number("yaw_rate_walk", c.yaw_rate_walk, 0, 0.1, "rad/s/sqrt(s)", "random walk of that bias");
-  v.number("acceleration_sd_mps2", c.acceleration_sd_mps2, 0, 10, "m/s2",
-           "standard deviation of the noise of an acceleration");
-  v.number("acceleration_bias_sd_mps2", c.acceleration_bias_sd_mps2, 0, 10, "m/s2",
-           "standard deviation of the bias of an acceleration, per run");
   v.flag("orientation", c.orientation, "the IMU states roll, pitch, and yaw from east");
-  v.number("orientation_sd_rad", c.orientation_sd_rad, 0, 1, "rad",
-           "standard deviation of the noise of each angle");
-  v.number("yaw_bias_sd_rad", c.yaw_bias_sd_rad, 0, 3.2, "rad",
-           "standard deviation of the error of north, per run");
 }
 
 /// The robot is lifted over the trees and set down in another alley. Section `simulation.carry`.
 struct CarryConfig {
-  double at_s = 0.0;     ///< time of lifting; 0: never
-  double for_s = 0.0;    ///< duration; 0: never
-  int to_alley = 0;      ///< from 1; 0 = any other
-  bool odometry = true;  ///< whether ODOMETRY continues, with standing wheels
+  double at_s = 0.0;
+  double for_s = 0.0;
+  int to_alley = 0;
+  bool odometry = true;
 };
 
 template <class Visitor>

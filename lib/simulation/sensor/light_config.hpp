@@ -6,15 +6,15 @@ namespace orchard::simulation {
 /// The light in a picture. Section `simulation.light`. Disabled: simple shading.
 struct LightConfig {
   bool enabled = false;
-  bool sun_from_seed = true;  ///< false: given by the two angles below
+  bool sun_from_seed = true;
   double sun_azimuth_deg = 0.0;
   double sun_elevation_deg = 40.0;
-  double sun_fraction = 0.75;     ///< direct fraction of the light on a surface that faces the sun
-  bool shadows = true;            ///< cast by static objects and crowns
-  double temperature_k = 5500.0;  ///< of the sun
-  double shade_temperature_ratio = 1;  ///< colour temperature of the sky relative to the sun's
+  double sun_fraction = 0.75;
+  bool shadows = true;
+  double temperature_k = 5500.0;
+  double shade_temperature_ratio = 1;
   double drift_ev_per_min = 0.0;
-  double drift_ev_amplitude = 0.0;  ///< of an additional sine
+  double drift_ev_amplitude = 0.0;
   double drift_k_per_min = 0.0;
   double drift_k_amplitude = 0.0;
   double drift_period_s = 120.0;
@@ -35,12 +35,8 @@ void describe(Visitor& v, LightConfig& c) {
   v.number("temperature_k", c.temperature_k, 1500, 15000, "K", "colour temperature of the sun");
   v.number("shade_temperature_ratio", c.shade_temperature_ratio, 0.5, 4, "1",
            "ratio of the colour temperatures of sky and sun");
-  v.number("drift_ev_per_min", c.drift_ev_per_min, -4, 4, "EV/min",
-           "linear drift of the brightness of the light");
   v.number("drift_ev_amplitude", c.drift_ev_amplitude, 0, 4, "EV",
            "amplitude of a sine of that brightness");
-  v.number("drift_k_per_min", c.drift_k_per_min, -5000, 5000, "K/min",
-           "linear drift of the colour temperature");
   v.number("drift_k_amplitude", c.drift_k_amplitude, 0, 5000, "K",
            "amplitude of a sine of the colour temperature");
   v.number("drift_period_s", c.drift_period_s, 1, 1e5, "s", "period of both sines");
@@ -49,14 +45,14 @@ void describe(Visitor& v, LightConfig& c) {
 /// Response of the camera to light. Section `simulation.camera_response`; takes effect when
 /// `simulation.light.enabled`.
 struct CameraResponseConfig {
-  double exposure_ev = 0.0;          ///< 0: white that faces the sun is just below clipping
-  double white_balance_k = 5500.0;   ///< light that is rendered neutral
-  double auto_exposure = 0.0;        ///< compensated fraction of the light's drift
-  double auto_exposure_lag_s = 0.5;  ///< time constant of the compensation
-  double auto_white_balance = 0.0;   ///< compensated fraction of the colour's drift
-  double vignetting = 0.0;           ///< light lost in the picture's corners
+  double exposure_ev = 0.0;
+  double white_balance_k = 5500.0;
+  double auto_exposure = 0.0;
+  double auto_exposure_lag_s = 0.5;
+  double auto_white_balance = 0.0;  ///< compensated fraction of the colour's drift
+  double vignetting = 0.0;
   double gamma = 2.2;
-  double exposure_s = 0.0;  ///< motion blur while the robot turns; 0: sharp
+  double exposure_s = 0.0;
 };
 
 template <class Visitor>
@@ -69,11 +65,7 @@ void describe(Visitor& v, CameraResponseConfig& c) {
            "fraction of the drift of the light that the exposure compensates");
   v.number("auto_exposure_lag_s", c.auto_exposure_lag_s, 0, 60, "s",
            "time constant of that compensation");
-  v.number("auto_white_balance", c.auto_white_balance, 0, 1, "1",
-           "fraction of the drift of the colour that the white balance compensates, with the same "
-           "time constant");
   v.number("vignetting", c.vignetting, 0, 1, "1", "fraction of light lost in the corners");
-  v.number("gamma", c.gamma, 1, 4, "1", "gamma of the stored picture");
   v.number("exposure_s", c.exposure_s, 0, 0.1, "s",
            "exposure time, for motion blur while turning; 0 = sharp");
 }

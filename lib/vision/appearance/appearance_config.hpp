@@ -14,12 +14,12 @@ inline constexpr double kAppearanceSquareReach = 3.0;
 /// standardised features and, where that is better, on their squares. Section
 /// `detector.appearance`. Written by `orchard calibrate trunks`; empty until then.
 struct AppearanceConfig {
-  int version = kAppearanceVersion;  ///< version of the features that the weights belong to
-  double confidence_min = 0.5;       ///< min confidence of a trunk; below it edges are not examined
+  int version = kAppearanceVersion;
+  double confidence_min = 0.5;
   double bias = 0.0;
-  std::vector<double> mean;     ///< mean of each feature over the training windows
-  std::vector<double> scale;    ///< standard deviation of each feature there, > 0
-  std::vector<double> weights;  ///< weight of each standardised feature
+  std::vector<double> mean;
+  std::vector<double> scale;
+  std::vector<double> weights;
   /// Weight of each standardised feature's square less one; may be empty. Squares model features
   /// with medium values on bark: its texture lies between that of a post and that of leaves.
   std::vector<double> squares;

@@ -133,7 +133,6 @@ calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
   calibration::TrunkModelOptions rules;
   rules.wanted_trunks = options.wanted_trunks;
   rules.gate_m = config.mapper.gate_m;
-  rules.hue_bins = config.detector.colour.hue_bins;
   if (!options.trees.empty()) rules.picked = parse_number_list(options.trees, "--trees");
   if (!options.ids.empty()) rules.picked_trunks = places_of(options);
   return rules;

@@ -134,14 +134,14 @@ TEST_F(BadInput, ThreeMistakesInAConfigurationAreAllNamed) {
   write_file(path("rig.yaml"),
              "detector:\n"
              "  tree_threshold: 1.9\n"
-             "  colour_weigth: 0.6\n"
+             "  colour_modle: appearance\n"
              "mapper:\n"
              "  gate_m: near\n");
   const Result result = orchard({"map", log(), "--config", path("rig.yaml"), "--out", path("map")});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("rig.yaml:2: detector.tree_threshold = 1.9"));
-  EXPECT_THAT(result.err, HasSubstr("rig.yaml:3: detector.colour_weigth"));
-  EXPECT_THAT(result.err, HasSubstr("did you mean colour_weight?"));
+  EXPECT_THAT(result.err, HasSubstr("rig.yaml:3: detector.colour_modle"));
+  EXPECT_THAT(result.err, HasSubstr("did you mean colour_model?"));
   EXPECT_THAT(result.err, HasSubstr("rig.yaml:5: mapper.gate_m = near"));
   EXPECT_EQ(count_lines(result.err), 3) << result.err;
   EXPECT_FALSE(exists(path("map")));

@@ -14,7 +14,7 @@ namespace orchard::test {
 namespace {
 
 constexpr double kGate_m = 0.3;
-constexpr float kRocLaserMin = 0.0112f;  // detector.roc_laser_threshold's default
+constexpr float kRocLaserMin = 0.0112f;  // DetectorConfig::kRocLaserMin
 
 /// Counts how detections of true trees were judged.
 class Judge : public bus::Node {

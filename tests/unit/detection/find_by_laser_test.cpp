@@ -45,15 +45,16 @@ TEST(FindByLaser, CandidatesPointAtTheirDetections) {
 TEST(FindByLaser, TheLaserThresholdParts) {
   Rig rig = tube_rig();
   const auto scan = scan_of({brown_tube(1.5, 0.0, 0.11)});
-  const double roc = find_by_laser(scan, rig).detections.trunks.at(0).roc_laser;
-  ASSERT_GT(roc, 0.01);
-  ASSERT_LT(roc, 0.9);
-  rig.detector.roc_laser_threshold = roc - 0.001;
-  EXPECT_EQ(find_by_laser(scan, rig).candidates.size(), 1u);
-  rig.detector.roc_laser_threshold = roc + 0.001;
-  const auto above = find_by_laser(scan, rig);
-  EXPECT_TRUE(above.candidates.empty());
-  EXPECT_EQ(above.detections.trunks.at(0).label, Label::kObject);
+  rig.detector.width.mean_m = 0.15;
+  rig.detector.width.sd_m = 0.03;
+  const auto near = find_by_laser(scan, rig);
+  EXPECT_EQ(near.candidates.size(), 1u);
+  EXPECT_GT(near.detections.trunks.at(0).roc_laser, DetectorConfig::kRocLaserMin);
+  rig.detector.width.sd_m = 0.01;  // the same tube is more than three of these away
+  const auto beyond = find_by_laser(scan, rig);
+  EXPECT_TRUE(beyond.candidates.empty());
+  EXPECT_LT(beyond.detections.trunks.at(0).roc_laser, DetectorConfig::kRocLaserMin);
+  EXPECT_EQ(beyond.detections.trunks.at(0).label, Label::kObject);
 }
 
 TEST(FindByLaser, AHiddenSideIsUntoldUntilWhatShowsIsTooWide) {

@@ -126,7 +126,7 @@ TEST(Probability, TheCameraIsAskedWhereverItsAnswerCouldDecide) {
   };
   // Four standard deviations too wide: the laser rejects both, only their colours differ.
   const test::Tube brown = test::brown_tube(1.5, 0.3, 0.13), blue = test::blue_tube(1.5, 0.3, 0.13);
-  EXPECT_LT(found(brown).roc_laser, config.roc_laser_threshold);
+  EXPECT_LT(found(brown).roc_laser, DetectorConfig::kRocLaserMin);
   EXPECT_EQ(found(brown).label, Label::kTree);
   EXPECT_GT(found(brown).roc_colour, 0.5f);
   EXPECT_EQ(found(blue).label, Label::kObject);

@@ -219,7 +219,7 @@ TEST(RocLaser, IsTheRatioOfDensities) {
   EXPECT_DOUBLE_EQ(roc_laser(0.105, 2.0, 0.006, width), pdf(0.105) / pdf(width.mean_m));
   EXPECT_LT(roc_laser(0.170, 4.0, 0.00614, WidthConfig{}), 0.001);
   width.sd_m = 0.0;
-  EXPECT_GT(roc_laser(width.mean_m + width.sd_floor_m, 1.0, 0.006, width), 0.5);
+  EXPECT_GT(roc_laser(width.mean_m + WidthConfig::kSdFloor_m, 1.0, 0.006, width), 0.5);
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(Edges, APartOfThePictureHasTheWholesEdges) {
   const EdgeMap whole = edge_map(test::block_of(picture), config);
   for (const PixelRect& window :
        {PixelRect{50, 40, 12, 40}, PixelRect{0, 0, 15, 30}, PixelRect{145, 80, 15, 40}}) {
-    const PixelRect reading = edge_reading_area(window, {0, 0, 160, 120}, config);
+    const PixelRect reading = edge_reading_area(window, {0, 0, 160, 120});
     const EdgeMap part = edge_map(test::block_of(picture, reading), config);
     int num_edges = 0, num_different = 0;
     for (int y = window.y_px; y < window.y_px + window.height_px; ++y) {

@@ -13,9 +13,6 @@ struct YardConfig {
 template <class Visitor>
 void describe(Visitor& v, YardConfig& c) {
   v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "speed of the robot");
-  v.integer("num_trees", c.num_trees, 0, 1000, "trees", "number of trees scattered over the yard");
-  v.number("hedge_roughness_m", c.hedge_roughness_m, 0, 1, "m",
-           "standard deviation of the surface of a hedge");
 }
 
 }  // namespace orchard::simulation

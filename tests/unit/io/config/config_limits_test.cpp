@@ -39,17 +39,12 @@ constexpr Crossed kCrossed[] = {
     {"detector: {segmentation: {width_max_m: 0.2}, width: {mean_m: 0.2}}",
      "segmentation.width_max_m"},
     {"detector: {edges: {canny_low: 200, canny_high: 100}}", "canny_low = 200: must be below"},
-    {"detector: {edges: {median_size_px: 4}}", "median_size_px = 4: must be odd"},
     {"detector: {pairing_tolerance_s: 0.3}", "pairing_tolerance_s = 0.3: must not be above image"},
     {"detector: {decision: probability}", "decision = probability: probability needs"},
     {"detector: {colour_model: appearance}", "colour_model = appearance: needs a learnt"},
     {"detector: {probability: {enabled: true}}", "enabled = true: needs weights"},
     {"pose: {mode: prior_map}", "mode = prior_map: needs pose.prior_map.map_file"},
     {"pose: {scan_motion: {range_min_m: 40}}", "range_min_m = 40: must be below range_max_m"},
-    {"pose: {gnss: {sd_fixed_m: 0.5}}", "sd_fixed_m = 0.5: must not be above sd_float_m"},
-    {"pose: {gnss: {sd_float_m: 0.7}}", "sd_float_m = 0.7: must not be above sd_differential_m"},
-    {"pose: {gnss: {sd_differential_m: 2}}",
-     "sd_differential_m = 2: must not be above sd_single_m"},
     {"pose: {gnss: {datum: [95, 0, 0]}}", "latitude"},
     {"pose: {gnss: {datum: [0, 200, 0]}}", "longitude"},
     {"pose: {prior_map: {detection_range_m: 20}}", "must not be above observation_range_max_m"},
@@ -61,7 +56,6 @@ constexpr Crossed kCrossed[] = {
     {"simulation: {orchard: {bark_saturation_min: 0.9}}", "bark_saturation_min = 0.9"},
     {"simulation: {orchard: {bark_value_min: 0.9}}", "bark_value_min = 0.9"},
     {"simulation: {orchard: {start_anywhere: true}}", "start_anywhere = true: needs laps"},
-    {"simulation: {board: {range_min_m: 5}}", "range_min_m = 5: must not be above range_max_m"},
 };
 
 TEST(ConfigLimits, CrossedOnesAreRefusedWhereTheyStand) {

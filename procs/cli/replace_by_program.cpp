@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "cli/calibrate/calibrate_appearance.hpp"
 #include "cli/calibrate/calibrate_camera.hpp"
 #include "cli/calibrate/calibrate_delay.hpp"
 #include "cli/calibrate/calibrate_laser_camera.hpp"
@@ -96,7 +95,6 @@ ORCHARD_RUNS_IN("orchard", run_simulate, SimulateOptions)
 ORCHARD_RUNS_IN("orchard", run_status, StatusOptions)
 
 // Commands for rigs.
-ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_appearance, CalibrateAppearanceOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_camera, CalibrateCameraOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_delay, CalibrateDelayOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_laser_camera, CalibrateLaserCameraOptions)

@@ -78,7 +78,7 @@ judge() {
   "$orchard" calibrate trunks "${fit_logs[@]}" --config "$work/rig.yaml" --out "$work/rig.yaml" \
     --colour-model hue_interval --quiet
   if [ "$appearance" = 1 ]; then
-    "$orchard" calibrate appearance "${fit_logs[@]}" --observations "${fit_looks[@]}" \
+    "${BUILD:-build}/experiments/learn_appearance" "${fit_logs[@]}" --observations "${fit_looks[@]}" \
       --config "$work/rig.yaml" --out "$work/rig.yaml" --stride 1 --quiet
     # a look then counts by its probability, not by a gate before it
     if [ "$probability" = 1 ]; then

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Learns every model of config/orchard_hard.yaml anew, from simulated drives of seeds 1001 and up
 # that no reported figure uses, each under another light: trunk width and hue (`orchard calibrate
-# trunks`), what trunks look like (`orchard calibrate appearance`), then what probability all that
+# trunks`), what trunks look like (`learn_appearance`), then what probability all that
 # stands for (`orchard calibrate probability`).
 #   tests/experiments/calibrate_orchard.sh [OUT.yaml]    RIG=config/orchard_hard.yaml DRIVES=12
 # Without OUT.yaml the rig itself is rewritten (the old one kept as .bak). Drives are kept in
@@ -33,7 +33,7 @@ if [ "${TRUNKS:-1}" = 1 ]; then
     --colour-model hue_interval | tail -n 4
   rig=$result
 fi
-"$orchard" calibrate appearance "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
+"${BUILD:-build}/experiments/learn_appearance" "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result" --stride 1
 rig=$result
 "$orchard" calibrate probability "${logs[@]}" --observations "${looks[@]}" --config "$rig" \

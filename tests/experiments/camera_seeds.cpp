@@ -11,8 +11,8 @@
 
 #include "calibration/board/camera_acceptance.hpp"
 #include "io/config/config.hpp"
-#include "simulation/scene/board_motion.hpp"
 #include "simulation/scene/board_picture.hpp"
+#include "worlds/board_motion.hpp"
 
 namespace {
 

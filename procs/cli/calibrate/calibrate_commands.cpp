@@ -4,7 +4,6 @@
 #include <string>
 
 #include "cli/add_command.hpp"
-#include "cli/calibrate/calibrate_appearance.hpp"
 #include "cli/calibrate/calibrate_camera.hpp"
 #include "cli/calibrate/calibrate_delay.hpp"
 #include "cli/calibrate/calibrate_probability.hpp"
@@ -95,28 +94,6 @@ void add_calibrate_delay(CLI::App& calibrate, Run& run) {
                      "logs of drives in curves to both sides past trunks");
         add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
-        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
-      });
-}
-
-void add_appearance(CLI::App& calibrate, Run& run) {
-  const char* examples =
-      "  orchard calibrate appearance a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out mine.yaml\n"
-      "Output: detector.appearance of the rig. To learn from pictures with masks: orchard "
-      "calibrate trunks.\n";
-  add_command<CalibrateAppearanceOptions>(
-      calibrate, run, "appearance",
-      "Learn the appearance of trunks from drives with a known truth and write it into the rig's "
-      "YAML",
-      examples, run_calibrate_appearance, [](CLI::App& command, CalibrateAppearanceOptions& o) {
-        add_required(command, "logs", o.log_paths, "LOG...",
-                     "logs of drives, with scans and pictures");
-        add_required(command, "--observations", o.observation_paths, "CSV...",
-                     "true observations (orchard simulate --observations), one file per log");
-        add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
-        add_rig_to_write(command, o.out_path);
-        add_limited(command, "--stride", o.stride, 1, 1000, "use only every Nth scan");
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
@@ -249,7 +226,6 @@ void add_calibrate(CLI::App& app, Run& run) {
           if (o.out_path.empty() && o.config_path.empty()) throw CLI::RequiredError("--out");
         });
       });
-  add_appearance(*calibrate, run);
   add_probability(*calibrate, run);
   add_calibrate_laser_camera(*calibrate, run);
   add_calibrate_delay(*calibrate, run);

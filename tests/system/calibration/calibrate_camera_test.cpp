@@ -11,9 +11,9 @@
 #include "bus/messages/codec.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_writer.hpp"
-#include "simulation/scene/board_motion.hpp"
 #include "simulation/scene/board_picture.hpp"
 #include "system/calibration/run_orchard.hpp"
+#include "worlds/board_motion.hpp"
 
 namespace {
 

@@ -55,13 +55,10 @@ TEST(CommandLine, EveryCommandKnowsHelpAndVersion) {
                                                        {"log", "config"},
                                                        {"evaluate"},
                                                        {"evaluate", "trajectory"},
-                                                       {"evaluate", "windows"},
-                                                       {"evaluate", "detections"},
                                                        {"calibrate"},
                                                        {"calibrate", "camera"},
                                                        {"calibrate", "laser-camera"},
                                                        {"calibrate", "trunks"},
-                                                       {"calibrate", "appearance"},
                                                        {"calibrate", "probability"},
                                                        {"calibrate", "delay"}};
   for (const std::vector<std::string>& command : commands) {

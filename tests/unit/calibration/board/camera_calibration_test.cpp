@@ -9,7 +9,7 @@
 
 #include "calibration/board/camera_acceptance.hpp"
 #include "calibration/board/view_selection.hpp"
-#include "simulation/scene/board_motion.hpp"
+#include "worlds/board_motion.hpp"
 
 namespace orchard::calibration {
 namespace {

@@ -7,7 +7,7 @@
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/core.hpp>
 
-#include "simulation/scene/board_motion.hpp"
+#include "worlds/board_motion.hpp"
 
 namespace orchard::simulation {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_appearance.hpp"
-
+// learn_appearance LOG... --observations CSV... --config IN --out OUT: learns the appearance of
+// trunks from simulated drives with their true observations and writes the model into a rig's YAML.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -10,9 +11,9 @@
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
-#include "cli/calibrate/appearance_collector.hpp"
 #include "cli/calibrate/appearance_values.hpp"
 #include "evaluation/detections/observation_pair.hpp"
+#include "experiments/appearance/appearance_collector.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -20,15 +21,24 @@
 #include "io/recording/observation_csv.hpp"
 #include "text/number_text.hpp"
 
-namespace orchard::cli {
+namespace orchard {
 namespace {
+
+struct Options {
+  std::vector<std::string> log_paths;          ///< drives with scans and pictures
+  std::vector<std::string> observation_paths;  ///< truth of each log's scans, in the same order
+  std::string config_path;
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
+  int stride = 5;        ///< uses every stride-th scan: consecutive scans are similar
+  bool quiet = false;
+};
 
 using calibration::AppearanceSample;
 
 /// Above the number of objects in a drive: separates the groups of two drives.
 constexpr int kThingsMax = 100000;
 
-void add_samples(const CalibrateAppearanceOptions& options, const io::Config& config, std::size_t i,
+void add_samples(const Options& options, const io::Config& config, std::size_t i,
                  std::vector<AppearanceSample>& samples) {
   AppearanceCollector collector(config, options.stride);
   io::ProgressBar bar("reading logs", !options.quiet);
@@ -60,9 +70,7 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
   }
 }
 
-}  // namespace
-
-int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
+int learn(const Options& options) {
   const io::Config config = io::load_config(options.config_path);
   if (!config.camera.enabled) {
     throw io::FileError(
@@ -92,10 +100,31 @@ int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
                            std::filesystem::path(options.log_paths.front()).filename().string() +
                            "; cross-validated area under the ROC curve " + fixed_text(fit.area, 4);
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  io::edit_config_file(options.config_path, out, appearance_values(fit.config),
-                       "orchard calibrate appearance", note);
+  io::edit_config_file(options.config_path, out, cli::appearance_values(fit.config),
+                       "learn_appearance", note);
   if (!options.quiet) std::printf("%s\nwritten to %s\n", note.c_str(), out.c_str());
   return bus::kExitOk;
 }
 
-}  // namespace orchard::cli
+}  // namespace
+}  // namespace orchard
+
+int main(int argc, char** argv) {
+  orchard::Options o;
+  CLI::App app{"Learns the appearance of trunks from simulated drives.", "learn_appearance"};
+  app.add_option("logs", o.log_paths, "logs of drives, with scans and pictures")->required();
+  app.add_option("--observations", o.observation_paths,
+                 "true observations (orchard simulate --observations), one file per log")
+      ->required();
+  app.add_option("--config", o.config_path, "rig of the recordings")->required();
+  app.add_option("--out", o.out_path, "YAML to write [the rig, the old one kept as .bak]");
+  app.add_option("--stride", o.stride, "use only every Nth scan")->check(CLI::Range(1, 1000));
+  app.add_flag("--quiet", o.quiet, "print only warnings and errors");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return orchard::learn(o);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "learn_appearance: %s\n", error.what());
+    return orchard::bus::kExitInput;
+  }
+}

@@ -1,18 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/board_motion.hpp"
+#pragma once
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <vector>
 
+#include "calibration/board/board.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/camera_model.hpp"
+#include "simulation/random.hpp"
 
 namespace orchard::simulation {
-namespace {
 
-constexpr int kTries =
-    400;  ///< attempts per view, while its position moves from the picture's edge to the middle
+/// Range of the poses in which a person holds a board before a camera.
+struct BoardMotionConfig {
+  bool whole_board = true;    ///< whole board in the picture; else its middle (enough for ChArUco)
+  double tilt_max_rad = 0.8;  ///< between the board's normal and the line of sight
+  double turn_max_rad = 0.4;  ///< of the board in its own plane
+  double size_min = 0.35;     ///< board width as a fraction of the picture width
+  double size_max = 0.75;
+  double reach = 1.0;  ///< 1: up to the picture's edges; 0: its middle only
+};
 
-bool in_view(const geometry::CameraModel& model, const calibration::BoardConfig& board,
-             const Eigen::Isometry3d& T_camera_board) {
+/// Whether all corners of the board and half a square around them are in the picture.
+inline bool is_in_view(const geometry::CameraModel& model, const calibration::BoardConfig& board,
+                       const Eigen::Isometry3d& T_camera_board) {
   const double half_m = 0.5 * board.square_m;
   const double right_m = (board.corner_columns() - 1) * board.square_m + half_m;
   const double bottom_m = (board.corner_rows() - 1) * board.square_m + half_m;
@@ -25,15 +37,18 @@ bool in_view(const geometry::CameraModel& model, const calibration::BoardConfig&
   return true;
 }
 
-}  // namespace
-
-std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& camera,
-                                          const calibration::BoardConfig& board, int num_views,
-                                          const BoardMotionConfig& config, Random& random) {
+/// Poses T_camera_board with every inner corner and half a square around it in the picture:
+/// positions in all parts of the picture, tilts to all sides and several distances, as in a careful
+/// calibration.
+inline std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& camera,
+                                                 const calibration::BoardConfig& board,
+                                                 int num_views, const BoardMotionConfig& config,
+                                                 Random& random) {
   const geometry::CameraModel model(camera);
   const double width_m = (board.corner_columns() - 1) * board.square_m;
   const double height_m = (board.corner_rows() - 1) * board.square_m;
   const Eigen::Vector3d middle_board(0.5 * width_m, 0.5 * height_m, 0.0);
+  constexpr int kTries = 400;  // per view, from the picture's edge towards its middle
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < num_views; ++i) {
     for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -57,7 +72,7 @@ std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& came
               .toRotationMatrix();
       T_camera_board.translation() = Eigen::Vector3d(ray.x() * z_m, ray.y() * z_m, z_m) -
                                      T_camera_board.linear() * middle_board;
-      if (config.whole_board && !in_view(model, board, T_camera_board)) continue;
+      if (config.whole_board && !is_in_view(model, board, T_camera_board)) continue;
       poses.push_back(T_camera_board);
       break;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/appearance_collector.hpp"
+#include "experiments/appearance/appearance_collector.hpp"
 
 #include <utility>
 
@@ -8,7 +8,7 @@
 #include "vision/appearance/exposure.hpp"
 #include "vision/decode.hpp"
 
-namespace orchard::cli {
+namespace orchard {
 
 AppearanceCollector::AppearanceCollector(const io::Config& config, int stride)
     : rig_(config.laser, config.camera, config.detector),
@@ -55,4 +55,4 @@ void AppearanceCollector::observe(const detection::ScanImagePair& pair) {
   messages_.push_back(std::move(findings.detections));
 }
 
-}  // namespace orchard::cli
+}  // namespace orchard

@@ -9,7 +9,7 @@
 #include "io/config/config.hpp"
 #include "vision/appearance/appearance_features.hpp"
 
-namespace orchard::cli {
+namespace orchard {
 
 /// Appearance features of a window, with its scan and detection.
 struct SeenWindow {
@@ -43,4 +43,4 @@ class AppearanceCollector : public bus::Node {
   std::vector<SeenWindow> windows_;
 };
 
-}  // namespace orchard::cli
+}  // namespace orchard

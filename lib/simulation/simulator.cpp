@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "simulation/observation_truth.hpp"
 #include "simulation/scene/clutter.hpp"
 #include "simulation/scene/moving_world.hpp"
 #include "simulation/scene/orchard_change.hpp"
@@ -285,16 +284,12 @@ std::vector<TruePose> Simulator::true_poses() const {
   return poses;
 }
 
-std::vector<TrueObservation> Simulator::true_observations(std::int64_t index) const {
+Surroundings Simulator::surroundings_of_scan(std::int64_t index) const {
   const std::int64_t utime = utime_of(kScan, index);
   const double middle_s = sweep_middle_s(utime);
-  const std::vector<Pose2> T_map_laser = laser_poses(utime, rig_.laser);
-  const World world = world_in_reach(middle_s, T_map_laser[T_map_laser.size() / 2]);
-  std::vector<TrueObservation> observations =
-      observe_truth(world, truth_at(scene_, middle_s), T_map_laser, rig_.simulation.scanner,
-                    rig_.camera, tilt_of(index));
-  for (TrueObservation& observation : observations) observation.utime = utime;
-  return observations;
+  std::vector<Pose2> T_map_laser = laser_poses(utime, rig_.laser);
+  return {world_in_reach(middle_s, T_map_laser[T_map_laser.size() / 2]), truth_at(scene_, middle_s),
+          std::move(T_map_laser), tilt_of(index)};
 }
 
 }  // namespace orchard::simulation

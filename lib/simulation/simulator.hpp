@@ -33,6 +33,14 @@ inline constexpr std::int64_t kEpochUtime = 1385942400000000;
 /// The scene "tubes", "orchard", "park" or "yard"; none for any other name.
 std::optional<SceneKind> find_scene(std::string_view name);
 
+/// World and truth in the middle of a sweep, with one pose, or one per beam.
+struct Surroundings {
+  World world;
+  std::vector<TruthObject> truth;
+  std::vector<Pose2> T_map_laser;
+  Tilt tilt;
+};
+
 /// Simulates a robot that drives through a scene: its sensors' messages one by one in the order of
 /// (utime, kind), all from one seed. Every message has its own random numbers, so disabling a
 /// sensor leaves the bytes of the others unchanged.
@@ -43,7 +51,7 @@ class Simulator {
   /// The next message, or none at the end of the run.
   std::optional<SensorMessage> next();
 
-  /// The truth of the static objects; people are in true_observations() only.
+  /// The truth of the static objects, without people.
   std::vector<TruthObject> truth() const;
   const Scene& scene() const { return scene_; }
 
@@ -53,8 +61,8 @@ class Simulator {
   std::int64_t num_scans() const { return clocks_[0].count; }
   std::int64_t scan_utime(std::int64_t index) const { return utime_of(0, index); }
 
-  /// True observations of scan `index` (its seq): all objects of the world that it could see.
-  std::vector<TrueObservation> true_observations(std::int64_t index) const;
+  /// What decides of scan `index` (its seq), apart from noise.
+  Surroundings surroundings_of_scan(std::int64_t index) const;
 
  private:
   static constexpr std::size_t kNumSensors = std::variant_size_v<SensorMessage>;

@@ -28,9 +28,9 @@ void add_simulate(CLI::App& app, Run& run) {
       app, run, "simulate", "Simulate a drive through a scene and write its log",
       "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
       "  orchard simulate --scene orchard --seed 7 --out out/drive.lcm --duration 60 \\\n"
-      "      --truth out/truth.csv --poses out/poses.csv --observations out/observations.csv\n"
-      "Output: an LCM log as a robot would record it, and on request the true objects, poses and\n"
-      "observations as CSV files for `orchard evaluate`. The same seed gives the same bytes.\n",
+      "      --truth out/truth.csv --poses out/poses.csv\n"
+      "Output: an LCM log as a robot would record it, and on request the true objects and poses\n"
+      "as CSV files for `orchard evaluate`. The same seed gives the same bytes.\n",
       simulate, [](CLI::App& command, SimulateOptions& o) {
         command
             .add_option("--scene", o.scene,
@@ -45,8 +45,6 @@ void add_simulate(CLI::App& app, Run& run) {
                   "also write the true objects (position, width, class)");
         add_value(command, "--poses", o.poses_path, "CSV",
                   "also write the true poses of the robot");
-        add_value(command, "--observations", o.observations_path, "CSV",
-                  "also write the objects that each scan observes, with range and occlusion");
         add_value(command, "--config", o.config_path, "FILE",
                   "configuration of the rig [that of the scene]");
         add_value(command, "--from", o.from_s, "S",

@@ -86,7 +86,7 @@ judge() {
     fi
   fi
   if [ "$probability" = 1 ]; then
-    "$orchard" calibrate probability "${fit_logs[@]}" --observations "${fit_looks[@]}" \
+    "${BUILD:-build}/experiments/learn_probability" "${fit_logs[@]}" --observations "${fit_looks[@]}" \
       --config "$work/rig.yaml" --out "$work/rig.yaml" --quiet
     set_key "$work/rig.yaml" detector decision probability
     set_key "$work/rig.yaml" mapper evidence probability

@@ -36,5 +36,5 @@ fi
 "${BUILD:-build}/experiments/learn_appearance" "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result" --stride 1
 rig=$result
-"$orchard" calibrate probability "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
+"${BUILD:-build}/experiments/learn_probability" "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result"

@@ -18,10 +18,12 @@ mkdir -p "$out"
 # learn WAY STEM: the guided rig with probabilities learnt from the drive STEM, decided by them
 learn() {
   local source=(--observations "$2.looks.csv") rig=$out/$(basename "$2").$1.yaml
+  local program=("${BUILD:-build}/experiments/learn_probability")
   if [ "$1" = map ]; then
+    program=("$orchard" calibrate probability)
     source=(--map "$2" --ids "$(python3 tests/experiments/tree_ids.py "$2.truth.csv" "$2/map.csv")")
   fi
-  "$orchard" calibrate probability "$2.lcm" "${source[@]}" --config "$2.guided.yaml" --out "$rig" \
+  "${program[@]}" "$2.lcm" "${source[@]}" --config "$2.guided.yaml" --out "$rig" \
     >"${rig%.yaml}.log" 2>&1
   sed -i '/^  decision:/d; s/^detector:/&\n  decision: probability/; s/^mapper:/&\n  evidence: probability/' "$rig"
 }

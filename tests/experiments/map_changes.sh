@@ -50,9 +50,9 @@ frame_of() {
 
 for seed in $(seq "$first" "$last"); do
   for drive in before same changed; do
-    looks=()
-    [ "$kinds" != grown ] || looks=(--observations "$work/$drive.looks.csv")
-    "$orchard" simulate --scene orchard --seed "$seed" --out "$work/$drive.lcm" "${looks[@]}" \
+    [ "$kinds" != grown ] || "${BUILD:-build}/experiments/true_observations" --scene orchard --seed "$seed" \
+      --config "$work/$drive.yaml" --out "$work/$drive.looks.csv" >/dev/null
+    "$orchard" simulate --scene orchard --seed "$seed" --out "$work/$drive.lcm" \
       --truth "$work/$drive.csv" --poses "$work/$drive.poses.csv" --config "$work/$drive.yaml" >/dev/null
     known=()
     [ "$drive" != changed ] || known=(--previous "$work/before")

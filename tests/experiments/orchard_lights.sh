@@ -30,6 +30,8 @@ light_rig() {
 drive() {
   [ -s "$5.lcm" ] && return 0
   "$1" simulate --scene orchard --seed "$3" --config "$2" --duration "$4" --out "$5.part.lcm" \
-    --truth "$5.truth.csv" --observations "$5.looks.csv" >/dev/null
+    --truth "$5.truth.csv" >/dev/null
+  "${BUILD:-build}/experiments/true_observations" --scene orchard --seed "$3" --config "$2" --duration "$4" \
+    --out "$5.looks.csv" >/dev/null
   mv "$5.part.lcm" "$5.lcm"
 }

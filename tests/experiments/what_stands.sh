@@ -52,8 +52,9 @@ for seed in $(seq "$first" "$last"); do
     stem=$out/${what}_$seed
     if [ ! -s "$stem.lcm" ]; then
       nice -n 10 "$orchard" simulate --scene orchard --seed "$seed" --config "$out/$what.yaml" \
-        --duration "${SECONDS_PER_DRIVE:-45}" --out "$stem.part.lcm" --truth "$stem.truth.csv" \
-        --observations "$stem.looks.csv" >/dev/null
+        --duration "${SECONDS_PER_DRIVE:-45}" --out "$stem.part.lcm" --truth "$stem.truth.csv" >/dev/null
+      "${BUILD:-build}/experiments/true_observations" --scene orchard --seed "$seed" --config "$out/$what.yaml" \
+        --duration "${SECONDS_PER_DRIVE:-45}" --out "$stem.looks.csv" >/dev/null
       mv "$stem.part.lcm" "$stem.lcm"
     fi
     nice -n 10 "$orchard" map "$stem.lcm" --config "$out/$what.yaml" --out "$stem" --quiet

@@ -32,8 +32,8 @@ class LandmarkOutcomes {
  public:
   LandmarkOutcomes(std::vector<mapping::Landmark> landmarks, const mapping::MapperConfig& config);
 
-  /// One match per detection of a scan. A tree keeps only the nearest detection of a scan, as in
-  /// evaluation::pair_observations(); the others match nothing.
+  /// One match per detection of a scan. A tree keeps only the nearest detection of a scan; the
+  /// others match nothing.
   std::vector<LandmarkMatch> match(const std::vector<mapping::Candidate>& scan) const;
 
   const std::vector<mapping::Landmark>& landmarks() const { return landmarks_; }

@@ -100,8 +100,6 @@ void add_calibrate_delay(CLI::App& calibrate, Run& run) {
 
 void add_probability(CLI::App& calibrate, Run& run) {
   const char* examples =
-      "  orchard calibrate probability a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out mine.yaml\n"
       "  orchard calibrate probability drive.lcm --map out/drive --ids 4,8,10-31 --config "
       "mine.yaml\n"
       "  orchard calibrate probability a.lcm b.lcm --map out/a out/b --config mine.yaml\n"
@@ -109,32 +107,22 @@ void add_probability(CLI::App& calibrate, Run& run) {
       "probability.\n";
   add_command<CalibrateProbabilityOptions>(
       calibrate, run, "probability",
-      "Calibrate the probabilities of tree and object from logs with a known truth, or from maps "
-      "whose trees a person picked, and write them into the rig's YAML",
+      "Calibrate the probabilities of tree and object from maps whose trees a person "
+      "picked, and write them into the rig's YAML",
       examples, run_calibrate_probability, [](CLI::App& command, CalibrateProbabilityOptions& o) {
         add_required(command, "logs", o.log_paths, "LOG...",
                      "logs of drives; the detector is run on logs with scans, otherwise the "
                      "logged detections are used");
-        CLI::Option* observations =
-            add_value(command, "--observations", o.observation_paths, "CSV...",
-                      "true observations (orchard simulate --observations), one file per log");
-        CLI::Option* map =
-            add_value(command, "--map", o.map_folders, "DIR...",
-                      "instead of --observations: maps of the logs (orchard map), one per "
-                      "log; learnt are their classes as corrected with orchard edit")
-                ->excludes(observations);
-        command
-            .add_option("--ids", o.ids,
-                        "ids of the landmarks of a single map that are trees, all others being "
-                        "objects: 4,8,10-31")
-            ->needs(map);
+        add_required(command, "--map", o.map_folders, "DIR...",
+                     "maps of the logs (orchard map), one per log; learnt are their classes as "
+                     "corrected with orchard edit");
+        command.add_option("--ids", o.ids,
+                           "ids of the landmarks of a single map that are trees, all others being "
+                           "objects: 4,8,10-31");
         add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
         command.parse_complete_callback([&o] {
-          if (o.observation_paths.empty() && o.map_folders.empty()) {
-            throw CLI::RequiredError("--observations or --map");
-          }
           if (!o.ids.empty() && o.map_folders.size() > 1) {
             throw CLI::ValidationError("--ids", "ids of landmarks need a single --map");
           }

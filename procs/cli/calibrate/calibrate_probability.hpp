@@ -6,11 +6,10 @@
 
 namespace orchard::cli {
 
-/// `orchard calibrate probability LOG... --observations CSV...|--map DIR... --config IN --out OUT`.
+/// `orchard calibrate probability LOG... --map DIR... --config IN --out OUT`.
 struct CalibrateProbabilityOptions {
-  std::vector<std::string> log_paths;          ///< logs with scans, or derived logs
-  std::vector<std::string> observation_paths;  ///< truth of each log's scans, in the same order
-  std::vector<std::string> map_folders;        ///< or the map of each log
+  std::vector<std::string> log_paths;    ///< logs with scans, or derived logs
+  std::vector<std::string> map_folders;  ///< the map of each log
   std::string ids;  ///< of the landmarks of a single map that are trees; empty: its classes
   std::string config_path;
   std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak

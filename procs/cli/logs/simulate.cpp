@@ -17,7 +17,6 @@
 #include "cli/parent_folder.hpp"
 #include "io/config/scene_rig.hpp"
 #include "io/file_error.hpp"
-#include "io/recording/observation_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 #include "simulation/simulator.hpp"
 
@@ -77,23 +76,10 @@ std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
   return num_messages;
 }
 
-/// The truth of each scan in the interval.
-std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator& simulator,
-                                                     const Interval& interval) {
-  std::vector<simulation::TrueObservation> all;
-  for (std::int64_t scan = 0; scan < simulator.num_scans(); ++scan) {
-    if (!interval.holds(simulator.scan_utime(scan))) continue;
-    const auto observations = simulator.true_observations(scan);
-    all.insert(all.end(), observations.begin(), observations.end());
-  }
-  return all;
-}
-
 }  // namespace
 
 int run_simulate(const SimulateOptions& options) {
-  for (const std::string& file :
-       {options.out_path, options.truth_path, options.poses_path, options.observations_path}) {
+  for (const std::string& file : {options.out_path, options.truth_path, options.poses_path}) {
     make_parent_folder(file);
   }
   const auto scene = simulation::find_scene(options.scene);
@@ -125,12 +111,6 @@ int run_simulate(const SimulateOptions& options) {
   if (!options.poses_path.empty()) {
     io::write_poses_csv(options.poses_path, poses);
     std::printf("%s: %zu true poses\n", options.poses_path.c_str(), poses.size());
-  }
-  if (!options.observations_path.empty()) {
-    const auto observations = observe_all(simulator, interval);
-    io::write_observation_csv(options.observations_path, observations);
-    std::printf("%s: %zu true observations\n", options.observations_path.c_str(),
-                observations.size());
   }
   return bus::kExitOk;
 }

@@ -11,12 +11,11 @@ struct SimulateOptions {
   std::string scene;
   std::uint64_t seed = 1;
   std::string out_path;
-  std::string truth_path;         ///< CSV of the true objects; empty: do not write
-  std::string poses_path;         ///< CSV of the true poses of base; empty: do not write
-  std::string observations_path;  ///< CSV of the truth of each scan; empty: do not write
-  std::string config_path;        ///< empty: the scene's own rig
-  double from_s = 0.0;            ///< start of the log in scene time
-  double duration_s = 0.0;        ///< of the log; 0: until the end of the scene
+  std::string truth_path;   ///< CSV of the true objects; empty: do not write
+  std::string poses_path;   ///< CSV of the true poses of base; empty: do not write
+  std::string config_path;  ///< empty: the scene's own rig
+  double from_s = 0.0;      ///< start of the log in scene time
+  double duration_s = 0.0;  ///< of the log; 0: until the end of the scene
 };
 
 /// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give

@@ -31,10 +31,9 @@ simulation::BoardScene make_scene(const SimulateOptions& options, const io::Conf
 }  // namespace
 
 int run_simulate_board(const SimulateOptions& options) {
-  if (!options.truth_path.empty() || !options.poses_path.empty() ||
-      !options.observations_path.empty()) {
+  if (!options.truth_path.empty() || !options.poses_path.empty()) {
     throw io::FileError(
-        "--truth, --poses and --observations do not apply to scene board: its truth is "
+        "--truth and --poses do not apply to scene board: its truth is "
         "camera.delta_m and camera.phi_rad of --config");
   }
   if (options.from_s > 0.0)

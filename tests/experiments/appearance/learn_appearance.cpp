@@ -12,14 +12,14 @@
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
 #include "cli/calibrate/appearance_values.hpp"
-#include "evaluation/detections/observation_pair.hpp"
 #include "experiments/appearance/appearance_collector.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
 #include "io/progress_bar.hpp"
-#include "io/recording/observation_csv.hpp"
 #include "text/number_text.hpp"
+#include "worlds/observation_csv.hpp"
+#include "worlds/observation_pair.hpp"
 
 namespace orchard {
 namespace {
@@ -114,7 +114,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Learns the appearance of trunks from simulated drives.", "learn_appearance"};
   app.add_option("logs", o.log_paths, "logs of drives, with scans and pictures")->required();
   app.add_option("--observations", o.observation_paths,
-                 "true observations (orchard simulate --observations), one file per log")
+                 "true observations (true_observations), one file per log")
       ->required();
   app.add_option("--config", o.config_path, "rig of the recordings")->required();
   app.add_option("--out", o.out_path, "YAML to write [the rig, the old one kept as .bak]");

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/detections/observation_pair.hpp"
-#include "evaluation/detections/reliability.hpp"
 #include "evaluation/map_evaluation.hpp"
+#include "evaluation/reliability.hpp"
+#include "worlds/observation_pair.hpp"
 
 namespace orchard::evaluation {
 

@@ -13,8 +13,8 @@
 #include "experiments/detections/detection_report.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
-#include "io/recording/observation_csv.hpp"
 #include "io/recording/truth_csv.hpp"
+#include "worlds/observation_csv.hpp"
 
 namespace orchard {
 namespace {
@@ -81,8 +81,8 @@ void add_recording(const Options& options, std::size_t i, Material& material) {
   if (found.num_scans == 0) {
     throw io::FileError(options.observation_paths[i] + " has no scan in common with " +
                         options.paths[i] +
-                        ": no time stamp is equal; give the CSV that `orchard simulate "
-                        "--observations` wrote with that log");
+                        ": no time stamp is equal; give the CSV that true_observations wrote "
+                        "for that log");
   }
   if (found.num_without_truth > 0) {
     std::fprintf(
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
   app.add_option("recordings", o.paths, "map folders with derived.lcm, or logs with DETECTIONS")
       ->required();
   app.add_option("--observations", o.observation_paths,
-                 "true observations (orchard simulate --observations), one file per recording")
+                 "true observations (true_observations), one file per recording")
       ->required();
   app.add_option("--truth", o.truth_paths,
                  "true objects, one file per recording: also evaluate the landmarks");

@@ -32,11 +32,14 @@ class CalibrateProbability : public testing::Test {
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
   std::string rig() const { return " --config " + rig_; }
   void simulate(const std::string& name, int seed) const {
+    const std::string drive =
+        " --scene orchard --duration 20 --seed " + std::to_string(seed) + rig() + " --out ";
     const Outcome outcome =
-        run("simulate --scene orchard --duration 20 --seed " + std::to_string(seed) + rig() +
-            " --out " + at(name + ".lcm") + " --truth " + at(name + ".truth.csv") +
-            " --observations " + at(name + ".looks.csv"));
+        run("simulate" + drive + at(name + ".lcm") + " --truth " + at(name + ".truth.csv"));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    const Outcome looks =
+        run(drive + at(name + ".looks.csv"), true, "experiments/true_observations");
+    ASSERT_EQ(looks.exit_code, 0) << looks.output;
   }
   /// Learns from `source` into out.yaml.
   Outcome learn(const std::string& source, const std::string& out = "out.yaml") const {
@@ -86,7 +89,9 @@ TEST_F(CalibrateProbability, AMapWithPickedTreesTeachesWhatTheTruthTeaches) {
   // With the appearance model, every tree near enough is found, however the weights are learnt.
   io::edit_config_file(rig_, at("rig.yaml"), {{"detector.colour_model", "hue_interval"}}, "", "");
   rig_ = at("rig.yaml");
-  const Outcome of_truth = learn(" --observations " + at("learn.looks.csv"), "truth.yaml");
+  const Outcome of_truth = run(at("learn.lcm") + rig() + " --out " + at("truth.yaml") +
+                                   " --observations " + at("learn.looks.csv"),
+                               true, "experiments/learn_probability");
   ASSERT_EQ(of_truth.exit_code, 0) << of_truth.output;
   const Outcome of_map = learn(" --map " + at("learn") + " --ids " + picked(), "map.yaml");
   ASSERT_EQ(of_map.exit_code, 0) << of_map.output;
@@ -166,8 +171,7 @@ TEST_F(CalibrateProbability, BadInputIsOneSentence) {
       << path.substr(0, path.find('\n') + 1) << "7000000,0.0,0.0,0.0\n8000000,0.0,0.0,0.0\n";
   expect_refused(map, "has no pose at the time of any scan");
   for (const std::string& source :
-       {map + " --observations " + at("learn.looks.csv"), std::string(),
-        " --ids 4 --observations " + at("learn.looks.csv"), map + " " + at("learn") + " --ids 4"}) {
+       {std::string(), std::string(" --ids 4"), map + " " + at("learn") + " --ids 4"}) {
     EXPECT_EQ(learn(source).exit_code, 2) << source;
   }
 }

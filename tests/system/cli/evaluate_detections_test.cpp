@@ -16,16 +16,23 @@ class EvaluateDetections : public CliTest {
   void SetUp() override {
     CliTest::SetUp();
     ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", "5", "--config", config(), "--out",
-                       path("drive.lcm"), "--truth", path("truth.csv"), "--observations",
-                       path("looks.csv")})
+                       path("drive.lcm"), "--truth", path("truth.csv")})
                   .exit_code,
               0);
+    observe("5", path("looks.csv"));
     ASSERT_EQ(map(path("drive.lcm")).exit_code, 0);
   }
-  Result evaluate(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{ORCHARD_BUILD_DIR "/experiments/evaluate_detections"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
+  static Result experiment(const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), ORCHARD_BUILD_DIR "/experiments/" + name);
     return run(arguments);
+  }
+  Result evaluate(const std::vector<std::string>& more) const {
+    return experiment("evaluate_detections", more);
+  }
+  void observe(const std::string& seed, const std::string& csv) const {
+    const Result result = experiment("true_observations", {"--scene", "tubes", "--seed", seed,
+                                                           "--config", config(), "--out", csv});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
   }
   void expect_refused(const Result& result, const std::string& why) const {
     EXPECT_EQ(result.exit_code, 3) << result.out;
@@ -54,22 +61,22 @@ TEST_F(EvaluateDetections, ProbabilitiesAreLearntAndThenStated) {
     observations.push_back(path("looks_" + seed + ".csv"));
     derived.push_back(path("map_" + seed + "/derived.lcm"));
     ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", seed, "--config", config(),
-                       "--out", drives.back(), "--observations", observations.back()})
+                       "--out", drives.back()})
                   .exit_code,
               0);
+    observe(seed, observations.back());
     ASSERT_EQ(orchard({"map", drives.back(), "--config", config(), "--out", path("map_" + seed)})
                   .exit_code,
               0);
   }
   const auto learn = [&](const std::vector<std::string>& logs, const std::string& rig) {
-    std::vector<std::string> arguments{"calibrate", "probability"};
-    arguments.insert(arguments.end(), logs.begin(), logs.end());
+    std::vector<std::string> arguments = logs;
     arguments.push_back("--observations");
     arguments.insert(arguments.end(), observations.begin(), observations.end());
     for (const std::string& a : {std::string("--config"), config(), std::string("--out"), rig}) {
       arguments.push_back(a);
     }
-    return orchard(arguments);
+    return experiment("learn_probability", arguments);
   };
   const Result learnt = learn(drives, path("rig.yaml"));
   ASSERT_EQ(learnt.exit_code, 0) << learnt.err;
@@ -105,9 +112,10 @@ TEST_F(EvaluateDetections, FilesThatAreNotWhatTheyShouldBe) {
   write_file(path("other.csv"), other);
   expect_refused(evaluate({path("map"), "--observations", path("other.csv")}),
                  "no time stamp is equal");
-  expect_refused(orchard({"calibrate", "probability", path("drive.lcm"), "--observations",
-                          path("other.csv"), "--config", config(), "--out", path("rig.yaml")}),
-                 "no time stamp is equal");
+  expect_refused(
+      experiment("learn_probability", {path("drive.lcm"), "--observations", path("other.csv"),
+                                       "--config", config(), "--out", path("rig.yaml")}),
+      "no time stamp is equal");
   EXPECT_FALSE(exists(path("rig.yaml")));
 }
 

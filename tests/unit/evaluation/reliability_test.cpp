@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detections/reliability.hpp"
+#include "evaluation/reliability.hpp"
 
 #include <gtest/gtest.h>
 

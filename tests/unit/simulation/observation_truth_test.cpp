@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/observation_truth.hpp"
+#include "worlds/observation_truth.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene/orchard_scene.hpp"
-#include "simulation/sensor/angular_interval.hpp"
 #include "unit/simulation/rig.hpp"
+#include "worlds/angular_interval.hpp"
 
 namespace orchard::simulation {
 namespace {

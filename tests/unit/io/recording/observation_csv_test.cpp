@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/recording/observation_csv.hpp"
+#include "worlds/observation_csv.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

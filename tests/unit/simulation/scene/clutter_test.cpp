@@ -12,6 +12,7 @@
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/simulator.hpp"
 #include "unit/simulation/rig.hpp"
+#include "worlds/observation_truth.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -188,7 +189,7 @@ TEST(Clutter, PeopleWalkAndTheTruthWalksWithThem) {
   for (const TruthObject& thing : simulator.truth()) EXPECT_FALSE(thing.moving);
   std::map<int, double> first_x_m, first_y_m, way_m;
   for (std::int64_t scan = 0; scan < simulator.num_scans(); scan += 5) {
-    for (const TrueObservation& o : simulator.true_observations(scan)) {
+    for (const TrueObservation& o : true_observations(simulator, cluttered(), scan)) {
       if (!scene.truth[o.object].moving) continue;
       EXPECT_EQ(o.label, detection::Label::kObject);
       first_x_m.emplace(o.object, o.x_m);
@@ -209,7 +210,7 @@ TEST(Clutter, ScansHoldThePeopleWhereTheTruthHasThem) {
   while (const auto message = simulator.next()) {
     const auto* scan = std::get_if<laser::Scan>(&*message);
     if (scan == nullptr || scan->seq % 4 != 0) continue;
-    for (const TrueObservation& o : simulator.true_observations(scan->seq)) {
+    for (const TrueObservation& o : true_observations(simulator, cluttered(), scan->seq)) {
       if (!scene.truth[o.object].moving || o.num_beams < 4 || o.hidden_fraction > 0.1) continue;
       ++num_seen;
       bool there = false;

@@ -10,6 +10,7 @@
 
 #include "geometry/angles.hpp"
 #include "simulation/simulator.hpp"
+#include "worlds/observation_truth.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -224,8 +225,8 @@ TEST(BlockSensors, CarriedRobotSeesNothingAndItsWheelsStandStill) {
   rig.simulation.scanner.rate_hz = 5.0;
   rig.simulation.carry = {15.0, 6.0, 3, true};
   Simulator simulator(SceneKind::kOrchard, 5, rig);
-  EXPECT_TRUE(simulator.true_observations(17 * 5).empty());
-  EXPECT_FALSE(simulator.true_observations(14 * 5).empty());
+  EXPECT_TRUE(true_observations(simulator, rig, 17 * 5).empty());
+  EXPECT_FALSE(true_observations(simulator, rig, 14 * 5).empty());
   int num_still = 0;
   while (const auto message = simulator.next()) {
     if (const auto* scan = std::get_if<laser::Scan>(&*message)) {
@@ -313,7 +314,7 @@ TEST(BlockSensors, PeopleWalkThroughABlockAndAreSeen) {
   const auto num_standing = static_cast<int>(simulator.truth().size());
   std::vector<int> num_seen(4, 0);
   for (std::int64_t scan = 0; scan < simulator.num_scans(); scan += 2) {
-    for (const TrueObservation& seen : simulator.true_observations(scan)) {
+    for (const TrueObservation& seen : true_observations(simulator, rig, scan)) {
       if (seen.object >= num_standing && seen.num_beams > 0) ++num_seen[seen.object - num_standing];
     }
   }

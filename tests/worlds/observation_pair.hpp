@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
-#include "simulation/scene/world.hpp"
+#include "worlds/observation_truth.hpp"
 
 namespace orchard::evaluation {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/sensor/angular_interval.hpp"
+#include "worlds/angular_interval.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "simulation/scene/world.hpp"
+#include "worlds/observation_truth.hpp"
 
 namespace orchard::io {
 

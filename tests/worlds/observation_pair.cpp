@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detections/observation_pair.hpp"
+#include "worlds/observation_pair.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/observation_truth.hpp"
+#include "worlds/observation_truth.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
-#include "simulation/sensor/angular_interval.hpp"
+#include "worlds/angular_interval.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -318,6 +318,17 @@ std::vector<TrueObservation> observe_truth(const World& world,
   for (std::size_t i = 0; i < truth.size(); ++i) {
     TrueObservation seen;
     if (observer.observe(static_cast<int>(i), truth[i], seen)) observations.push_back(seen);
+  }
+  return observations;
+}
+
+std::vector<TrueObservation> true_observations(const Simulator& simulator, const RigConfig& rig,
+                                               std::int64_t index) {
+  const Surroundings at = simulator.surroundings_of_scan(index);
+  std::vector<TrueObservation> observations = observe_truth(
+      at.world, at.truth, at.T_map_laser, rig.simulation.scanner, rig.camera, at.tilt);
+  for (TrueObservation& observation : observations) {
+    observation.utime = simulator.scan_utime(index);
   }
   return observations;
 }

@@ -13,7 +13,7 @@
 
 namespace orchard::io {
 
-vision::Image read_jpeg_file(const std::string& path) {
+std::vector<std::uint8_t> read_picture_bytes(const std::string& path) {
   constexpr std::uintmax_t kMaxBytes = std::uintmax_t{16} << 20;
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
@@ -26,6 +26,11 @@ vision::Image read_jpeg_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(size));
   if (!file) throw FileError(path + ": could not be read completely");
+  return data;
+}
+
+vision::Image read_jpeg_file(const std::string& path) {
+  const std::vector<std::uint8_t> data = read_picture_bytes(path);
   auto image = jpeg_image(data.data(), data.size());
   if (!image) throw FileError(path + ": is not a JPEG picture; remove or replace it");
   return std::move(*image);

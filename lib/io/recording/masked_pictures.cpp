@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -24,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaskMaxBytes = std::uintmax_t{16} << 20;
 constexpr int kMaskMaxSide_px = 8192;
 constexpr int kMinRed = 64;  // darker pixels are background
 
@@ -100,17 +98,7 @@ vision::PixelBlock read_jpeg(const std::string& path) {
 }
 
 vision::PixelBlock read_png(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
-  if (size == 0 || size > kMaskMaxBytes) {
-    throw FileError(path + ": " + std::to_string(size) +
-                    " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
-  }
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": could not be read completely");
+  const std::vector<std::uint8_t> bytes = read_picture_bytes(path);
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);

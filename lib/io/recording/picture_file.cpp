@@ -5,7 +5,6 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -15,7 +14,6 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = std::uintmax_t{16} << 20;
 constexpr std::uint32_t kMaxSide_px = 8192;
 constexpr std::array<std::uint8_t, 8> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 constexpr std::size_t kPngHeaderBytes = 24;  // up to the height
@@ -52,19 +50,12 @@ vision::Image decode_png(const std::string& path, const std::vector<std::uint8_t
 }  // namespace
 
 vision::Image read_picture_file(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
-  if (size <= kPngHeaderBytes || size > kMaxBytes) {
-    throw FileError(path + ": " + std::to_string(size) +
-                    " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
+  const std::vector<std::uint8_t> bytes = read_picture_bytes(path);
+  if (bytes.size() > kPngHeaderBytes) {
+    if (std::equal(kPngStart.begin(), kPngStart.end(), bytes.begin()))
+      return decode_png(path, bytes);
+    if (bytes[0] == 0xff && bytes[1] == 0xd8) return read_jpeg_file(path);
   }
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": could not be read completely");
-  if (std::equal(kPngStart.begin(), kPngStart.end(), bytes.begin())) return decode_png(path, bytes);
-  if (bytes[0] == 0xff && bytes[1] == 0xd8) return read_jpeg_file(path);
   throw FileError(path + ": is neither a JPEG nor a PNG picture; remove or convert it");
 }
 

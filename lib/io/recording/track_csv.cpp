@@ -52,8 +52,4 @@ evaluation::Track read_track_csv(const std::string& path) {
   return read_track(CsvReader::open(path), path);
 }
 
-evaluation::Track parse_track_csv(std::string_view text, const std::string& name) {
-  return read_track(CsvReader::from_text(text, name), name);
-}
-
 }  // namespace orchard::io

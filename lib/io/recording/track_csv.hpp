@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "evaluation/trajectory/trajectory_evaluation.hpp"
 
@@ -13,6 +12,5 @@ namespace orchard::io {
 /// into (-pi, pi]. Throws FileError naming file, line and column, also when time does not increase
 /// and for a file without poses.
 evaluation::Track read_track_csv(const std::string& path);
-evaluation::Track parse_track_csv(std::string_view text, const std::string& name);
 
 }  // namespace orchard::io

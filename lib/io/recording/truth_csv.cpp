@@ -71,12 +71,4 @@ void write_poses_csv(const std::string& path, const std::vector<simulation::True
   write_trajectory_csv(path, trajectory);
 }
 
-std::vector<simulation::TruePose> read_poses_csv(const std::string& path) {
-  std::vector<simulation::TruePose> poses;
-  for (const pose::PoseEstimate& pose : read_trajectory_csv(path)) {
-    poses.push_back({pose.utime, pose.x_m, pose.y_m, pose.yaw_rad});
-  }
-  return poses;
-}
-
 }  // namespace orchard::io

@@ -23,7 +23,4 @@ void write_truth_csv(const std::string& path, const std::vector<simulation::Trut
 /// Writes true poses of base in map as `utime_us,x_m,y_m,yaw_rad`, atomically. Throws FileError.
 void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses);
 
-/// Reads the same format. Throws FileError also when time does not increase.
-std::vector<simulation::TruePose> read_poses_csv(const std::string& path);
-
 }  // namespace orchard::io

@@ -37,9 +37,4 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
 laser::Scan simulate_perfect_scan(const World& world, const Pose2& T_map_laser,
                                   const ScannerConfig& scanner);
 
-/// Simulates a scan for width measurements: one upright cylinder whose nearest surface is range_m
-/// away, at a random bearing within +-60 degrees.
-laser::Scan simulate_trunk_scan(double diameter_m, double range_m, const ScannerConfig& scanner,
-                                Random& random);
-
 }  // namespace orchard::simulation

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "bus/messages/codec.hpp"
+#include "io/map/trajectory_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 
 namespace orchard::procs {
@@ -61,7 +62,7 @@ TEST(SimSource, WritesTheTruthItPlays) {
     EXPECT_NEAR(truth[i].x_m, source->simulator().truth()[i].x_m, 1e-4);
     EXPECT_NEAR(truth[i].y_m, source->simulator().truth()[i].y_m, 1e-4);
   }
-  EXPECT_EQ(io::read_poses_csv(options.poses_path).size(),
+  EXPECT_EQ(io::read_trajectory_csv(options.poses_path).size(),
             source->simulator().scene().stops.size());
 }
 

@@ -33,6 +33,23 @@ ScannerConfig perfect() {
   return scanner;
 }
 
+/// A scan of one upright cylinder whose surface is range_m away, at a random bearing within +-60
+/// degrees.
+laser::Scan simulate_trunk_scan(double diameter_m, double range_m, const ScannerConfig& scanner,
+                                Random& random) {
+  const double bearing_rad = random.uniform(-geometry::kPi / 3.0, geometry::kPi / 3.0);
+  World world;
+  world.num_targets = 1;
+  Cylinder trunk;
+  trunk.radius_m = 0.5 * diameter_m;
+  trunk.x_m = (range_m + trunk.radius_m) * std::cos(bearing_rad);
+  trunk.y_m = (range_m + trunk.radius_m) * std::sin(bearing_rad);
+  trunk.height_m = scanner.height_m + 1.0;
+  world.cylinders.push_back(trunk);
+  const std::vector<double> errors = draw_target_errors(1, scanner, random);
+  return simulate_scan(world, {Pose2{}}, scanner, errors, random);
+}
+
 TEST(LaserModel, HasTheAnglesOfTheDataSheet) {
   const laser::Scan scan = simulate_perfect_scan({}, {}, {});
   ASSERT_EQ(scan.ranges_m.size(), 683u);

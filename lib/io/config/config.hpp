@@ -36,7 +36,7 @@ struct Config {
 /// A configuration from a log.
 struct RecordedConfig {
   Config config;
-  std::vector<std::string> notes;  ///< keys that this release does not have, one line each
+  std::vector<std::string> notes;  ///< keys that this release does not have, one line per section
 };
 
 /// Reads a rig's YAML over the defaults. Throws ConfigError listing all errors at once: unknown

@@ -76,19 +76,24 @@ class Reader : public ConfigVisitor {
   void refuse_unknown() {
     if (!section_->node.IsMap()) return;
     std::set<std::string> seen;
+    std::string ignored;
+    int num_ignored = 0;
     for (const auto& entry : section_->node) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
       const std::string where = location(entry.first) + section_->prefix + key;
       if (!seen.insert(key).second) problems.push_back(where + ": is given twice; remove one");
       if (section_->known.count(key)) continue;
       if (unknown_ == UnknownKeys::kNote) {
-        notes.push_back(section_->prefix + key + " = " + scalar_text(entry.second) +
-                        " is no key of this version and is ignored");
+        ignored += (num_ignored++ > 0 ? ", " : "") + key + " = " + scalar_text(entry.second);
       } else {
         problems.push_back(where + ": unknown key; did you mean " + nearest(key, section_->known) +
                            "?");
       }
     }
+    if (num_ignored == 0) return;
+    notes.push_back(section_->prefix + ignored +
+                    (num_ignored == 1 ? " is no key of this version and is ignored"
+                                      : " are no keys of this version and are ignored"));
   }
 
   std::vector<std::string> problems;

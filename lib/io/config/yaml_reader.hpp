@@ -15,9 +15,9 @@ enum class UnknownKeys {
 };
 
 /// Reads YAML into the configuration that the schema presents; `name` replaces the path in
-/// messages. Returns the notes about unknown keys, one line each. Throws ConfigError listing all
-/// errors at once: unknown keys, wrong types, values out of range and violated conditions between
-/// keys. Some values may have been changed then.
+/// messages. Returns the notes about unknown keys, one line per section. Throws ConfigError listing
+/// all errors at once: unknown keys, wrong types, values out of range and violated conditions
+/// between keys. Some values may have been changed then.
 std::vector<std::string> read_yaml(const std::string& yaml, const std::string& name,
                                    const ConfigSchema& schema,
                                    UnknownKeys unknown = UnknownKeys::kRefuse);

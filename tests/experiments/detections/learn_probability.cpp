@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// learn_probability LOG... --observations CSV... --config IN --out OUT: calibrates the probabilities of
-// tree and object from simulated drives with their true observations, as `orchard calibrate
-// probability` does from maps.
+// learn_probability LOG... --observations CSV... --config IN --out OUT: calibrates the
+// probabilities of tree and object from simulated drives with their true observations, as `orchard
+// calibrate probability` does from maps.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// true_observations --scene SCENE --seed N --out CSV: what each scan of the log that `orchard simulate`
-// makes with the same options could see, with range and occlusion.
+// true_observations --scene SCENE --seed N --out CSV: what each scan of the log that `orchard
+// simulate` makes with the same options could see, with range and occlusion.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>

@@ -71,12 +71,13 @@ TEST(ConfigLevels, WhatUsersAndExpertsAreShownReadsBackAsTheSame) {
 TEST(RecordedConfig, KeysOfAnotherReleaseAreNotedInALogAndRefusedInAFile) {
   const std::string yaml =
       "detector:\n  adaptation:\n    enabled: true\n  tree_threshold: 0.3\nmapper:\n  presence: "
-      "1\n";
+      "1\n  absence: 2\n";
   const RecordedConfig recorded = parse_recorded_config(yaml, "the rig in a.lcm");
   EXPECT_EQ(recorded.config.detector.tree_threshold, 0.3);
-  EXPECT_THAT(recorded.notes,
-              ElementsAre(HasSubstr("detector.adaptation = (a section) is no key of this version"),
-                          HasSubstr("mapper.presence = 1 is no key of this version")));
+  EXPECT_THAT(
+      recorded.notes,
+      ElementsAre(HasSubstr("detector.adaptation = (a section) is no key of this version"),
+                  HasSubstr("mapper.presence = 1, absence = 2 are no keys of this version")));
   EXPECT_THAT(parse_recorded_config(effective_config(Config()), "").notes, IsEmpty());
   EXPECT_THROW(parse_recorded_config("detector: {tree_threshold: 9}", ""), ConfigError);
   EXPECT_THROW(parse_config(yaml, "rig.yaml"), ConfigError);

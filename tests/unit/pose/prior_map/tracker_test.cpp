@@ -24,11 +24,10 @@ Eigen::Matrix3d start_covariance() {
   return A * A.transpose();
 }
 
-/// No error of the wheels, no error of the map: what is left is what the call itself states.
+/// No error of the wheels: what is left is what the call itself states and the map's own error.
 PriorMapConfig exact() {
   PriorMapConfig config;
   config.speed_scale_sd = config.turn_scale_sd = config.yaw_rate_bias_sd_radps = 0.0;
-  config.landmark_sd_m = 0.0;
   return config;
 }
 
@@ -126,7 +125,10 @@ TEST(PriorMapTracker, CorrectsByTheGainOfTheCentralDifferences) {
   const Eigen::MatrixXd H = central_difference(place, kStart).J;
   const Eigen::Matrix2d R = geometry::rotation(kStart.z());
   const Eigen::Matrix3d P = start_covariance();
-  const Eigen::Matrix2d S = H * P * H.transpose() + R * observation.covariance * R.transpose();
+  // The map's own error is met again at each of about ten sightings of a tree.
+  const double map_variance = 10.0 * PriorMapConfig::kLandmarkSd_m * PriorMapConfig::kLandmarkSd_m;
+  const Eigen::Matrix2d S = H * P * H.transpose() + R * observation.covariance * R.transpose() +
+                            map_variance * Eigen::Matrix2d::Identity();
   const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
   const auto matching = tracker.correct({observation}, FieldOfView(4.0));
   ASSERT_EQ(matching.num_matched, 1);

@@ -141,7 +141,7 @@ ColourVerdict judge_colour(const TrunkView& view, const vision::PixelBlock& pixe
     const double confidence = vision::appearance_confidence(features, config.appearance);
     return {confidence >= config.appearance.confidence_min, confidence};
   }
-  const auto hues = vision::hue_histogram(pixels, view.centre, config.colour);
+  const auto hues = vision::hue_histogram(pixels, view.centre);
   const vision::ColourEvidence colour = vision::colour_confidence(hues, config.colour);
   return {colour.passed, colour.roc};
 }

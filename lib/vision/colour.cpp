@@ -9,8 +9,7 @@
 
 namespace orchard::vision {
 
-HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window,
-                           const ColourConfig& config) {
+HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window) {
   cv::Mat hsv;
   cv::cvtColor(view_of(pixels, window), hsv, cv::COLOR_BGR2HSV);
   const double saturation_min = 255.0 * ColourConfig::kSaturationMin;

@@ -21,8 +21,7 @@ struct HueHistogram {
 
 /// Computes the hue histogram of a window. Throws std::invalid_argument when the window does not
 /// lie inside the block.
-HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window,
-                           const ColourConfig& config);
+HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window);
 
 /// Dominant hue [deg]: mean hue of the fullest of `hue_bins` bins (of equal bins the lower one); 0
 /// without coloured pixels. Source: Shalal et al. 2013, section 4.2.

@@ -62,16 +62,15 @@ bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision
                                         vision::appearance_reading_area(window, picture));
   const auto pixels = vision::decode(image, reading);
   if (!pixels) return false;
-  const vision::ColourConfig& colour = rig.detector.colour;
   const std::vector<vision::PixelBlock> exposures = vision::learnt_exposures(*pixels);
   const auto look_at = [&](const vision::PixelRect& rect,
                            std::vector<WindowObservation>& observations) {
     for (const vision::PixelBlock& block : exposures) {
       observations.push_back(
-          {vision::appearance_features(block, rect), vision::hue_histogram(block, rect, colour)});
+          {vision::appearance_features(block, rect), vision::hue_histogram(block, rect)});
     }
   };
-  seen.hues = vision::hue_histogram(*pixels, view->centre, colour);
+  seen.hues = vision::hue_histogram(*pixels, view->centre);
   seen.light = vision::window_light(*pixels, view->centre);
   look_at(window, seen.on);
   for (const int side : {-1, 1}) {

@@ -13,7 +13,7 @@ constexpr std::int8_t kDifferential = 2;
 constexpr std::int8_t kFixed = 4;
 constexpr std::int8_t kFloat = 5;
 
-double least_sd_m(const GnssConfig& config, std::int8_t quality) {
+double least_sd_m(std::int8_t quality) {
   switch (quality) {
     case kFixed:
       return GnssConfig::kSdFixed_m;
@@ -26,8 +26,8 @@ double least_sd_m(const GnssConfig& config, std::int8_t quality) {
   }
 }
 
-Eigen::Matrix2d effective_covariance(const Gnss& gnss, const GnssConfig& config) {
-  const double sd_m = least_sd_m(config, gnss.fix_quality);
+Eigen::Matrix2d effective_covariance(const Gnss& gnss) {
+  const double sd_m = least_sd_m(gnss.fix_quality);
   const double ee = gnss.covariance[0], en = gnss.covariance[1], nn = gnss.covariance[3];
   Eigen::Matrix2d covariance;
   covariance << std::max(ee, sd_m * sd_m), en, en, std::max(nn, sd_m * sd_m);
@@ -63,7 +63,7 @@ std::optional<GnssPosition> GnssPositions::add(const Gnss& gnss) {
   double east_m = 0.0, north_m = 0.0, up_m = 0.0;
   enu->Forward(gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m, east_m, north_m, up_m);
   if (!std::isfinite(east_m) || !std::isfinite(north_m)) return std::nullopt;
-  return GnssPosition{gnss.utime, {east_m, north_m}, effective_covariance(gnss, impl_->config)};
+  return GnssPosition{gnss.utime, {east_m, north_m}, effective_covariance(gnss)};
 }
 
 std::optional<std::array<double, 3>> GnssPositions::datum() const {

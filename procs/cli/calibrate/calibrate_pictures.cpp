@@ -33,8 +33,7 @@ struct Lessons {
   vision::HueHistogram hues;  ///< of the windows on trunks
 };
 
-void learn_from(const PictureWindows& picture, const vision::ColourConfig& colour,
-                Lessons& lessons) {
+void learn_from(const PictureWindows& picture, Lessons& lessons) {
   for (const vision::PixelBlock& pixels : vision::learnt_exposures(picture.picture.pixels)) {
     for (const calibration::LabelledWindow& labelled : picture.windows) {
       lessons.samples.push_back(
@@ -43,7 +42,7 @@ void learn_from(const PictureWindows& picture, const vision::ColourConfig& colou
   }
   for (const calibration::LabelledWindow& labelled : picture.windows) {
     if (labelled.is_trunk) {
-      calibration::add(vision::hue_histogram(picture.picture.pixels, labelled.window, colour),
+      calibration::add(vision::hue_histogram(picture.picture.pixels, labelled.window),
                        lessons.hues);
     }
   }
@@ -79,9 +78,9 @@ int run_calibrate_pictures(const CalibratePicturesOptions& options) {
   const io::Config config =
       options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
   Lessons lessons;
-  const PictureCount count = for_each_masked_picture(
-      options.pictures, kCommand,
-      [&](const PictureWindows& picture) { learn_from(picture, config.detector.colour, lessons); });
+  const PictureCount count =
+      for_each_masked_picture(options.pictures, kCommand,
+                              [&](const PictureWindows& picture) { learn_from(picture, lessons); });
   calibration::AppearanceFit fit;
   try {
     fit = calibration::learn_appearance(lessons.samples);

@@ -47,11 +47,10 @@ int evaluate(const Options& options) {
         for (const calibration::LabelledWindow& labelled : picture.windows) {
           const auto features = vision::appearance_features(judged, labelled.window);
           const double log_odds = vision::appearance_log_odds(features, model.appearance);
-          const auto hues = vision::hue_histogram(pixels, labelled.window, model.colour);
-          const auto paper_hues = vision::hue_histogram(pixels, labelled.window, paper);
+          const auto hues = vision::hue_histogram(pixels, labelled.window);
           scored.push_back({picture.group, labelled.is_trunk, log_odds,
                             vision::colour_confidence(hues, model.colour).roc,
-                            vision::colour_confidence(paper_hues, paper).roc});
+                            vision::colour_confidence(hues, paper).roc});
           if (!options.worst_path.empty()) {
             worst.add(picture.name, pixels, labelled,
                       vision::appearance_confidence(features, model.appearance));

@@ -17,7 +17,7 @@ cv::Mat plain(double hue_deg, double saturation = 0.5, double value = 0.7) {
 
 ColourEvidence judge(const cv::Mat& picture, const ColourConfig& config = {}) {
   const PixelRect window{0, 0, picture.cols, picture.rows};
-  return colour_confidence(hue_histogram(block_of(picture), window, config), config);
+  return colour_confidence(hue_histogram(block_of(picture), window), config);
 }
 
 TEST(Colour, ATrunksColourPassesInFull) {
@@ -73,9 +73,8 @@ TEST(Colour, TheDominantHueIsTheFullestBinsMean) {
 
 TEST(Colour, EqualsOpenCvOverTheWholePicture) {
   const cv::Mat picture = test::busy_picture(120, 90, 9);
-  const ColourConfig config;
   const PixelRect window{31, 17, 40, 50};
-  const HueHistogram histogram = hue_histogram(block_of(picture), window, config);
+  const HueHistogram histogram = hue_histogram(block_of(picture), window);
   cv::Mat hsv;
   cv::cvtColor(picture, hsv, cv::COLOR_BGR2HSV);
   std::array<int, kNumHues> counts{};
@@ -90,7 +89,7 @@ TEST(Colour, EqualsOpenCvOverTheWholePicture) {
 }
 
 TEST(Colour, RefusesAWindowOutsideItsPixels) {
-  EXPECT_THROW(hue_histogram(block_of(plain(30.0)), {5, 5, 10, 10}, {}), std::invalid_argument);
+  EXPECT_THROW(hue_histogram(block_of(plain(30.0)), {5, 5, 10, 10}), std::invalid_argument);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ class PartEvidence {
  private:
   double of_width(double width_m, double width_sd_m) const;
 
-  const WidthConfig& width_;
+  WidthConfig width_;
   double width_sd_m_, width_max_m_, beam_spacing_m_, span_m_, of_depth_;
   int num_beams_;
 };

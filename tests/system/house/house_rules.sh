@@ -62,8 +62,8 @@ find . \( -path ./.git -o -path './build*' -o -path ./out -o -path ./tests/data 
 # 7. files that can be read in one sitting
 for file in $(sources lib procs tests); do
   lines=$(wc -l <"$file")
-  [ "$lines" -le 450 ] || echo "$file: $lines lines"
-done | violations "no source file over 450 lines"
+  [ "$lines" -le 600 ] || echo "$file: $lines lines"
+done | violations "no source file over 600 lines"
 
 # 8. heavy headers stay out of headers
 find lib procs -name '*.hpp' | sort |

@@ -224,7 +224,7 @@ struct GeoPackage::Impl {
   struct Value : GeoValue {
     using GeoValue::GeoValue;
     Value(int number) : GeoValue(std::int64_t{number}) {}
-    Value(const char* text) : GeoValue(std::string(text)) {}
+    Value(const char* letters) : GeoValue(std::string(letters)) {}
     Value(const GeoValue& value) : GeoValue(value) {}
   };
 

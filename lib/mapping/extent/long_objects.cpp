@@ -191,12 +191,12 @@ Landmark joined(const std::vector<Landmark>& landmarks, const StraightPart& part
   std::vector<double> widths_m;
   whole.num_observations = 0;
   for (const std::size_t i : part.members) {
-    const Landmark& part = landmarks[i];
-    whole.id = std::min(whole.id, part.id);
-    whole.num_observations += part.num_observations;
-    whole.roc_mean += part.roc_mean * part.num_observations;
-    whole.probability = std::max(whole.probability, part.probability);
-    widths_m.push_back(part.width_m);
+    const Landmark& member = landmarks[i];
+    whole.id = std::min(whole.id, member.id);
+    whole.num_observations += member.num_observations;
+    whole.roc_mean += member.roc_mean * member.num_observations;
+    whole.probability = std::max(whole.probability, member.probability);
+    widths_m.push_back(member.width_m);
   }
   const Across beside = across_of(landmarks, part.members, part.origin, along);
   whole.roc_mean /= std::max(1, whole.num_observations);
@@ -373,7 +373,7 @@ std::vector<Landmark> join_long_objects(std::vector<Landmark> landmarks, double 
     for (const std::size_t i : groups[g]) {
       if (!is_part[i]) rest.push_back(i);
     }
-    for (Group& part : links.parts(rest)) groups.push_back(std::move(part));
+    for (Group& group : links.parts(rest)) groups.push_back(std::move(group));
   }
   join_in_line(landmarks, object_width_max_m, is_free, parts);
   for (StraightPart& part : parts) {

@@ -31,7 +31,7 @@ double reach_m(const TrunkModel& model) {
 
 /// Somebody who walks is observed at positions that scatter more than those of the trunks by at
 /// least this factor.
-constexpr double kWalkingScatterFactor = 3.0;
+constexpr double kWalkingFactor = 3.0;
 
 /// RMS distance of an object's observations from their mean [m].
 double scatter_m(const ObservedObject& seen, const std::vector<TrunkObservation>& observations) {
@@ -54,7 +54,7 @@ double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>
   for (const ObservedObject& seen : model.objects) {
     if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
   }
-  return of_trunks_m.empty() ? 0.0 : kWalkingScatterFactor * geometry::median(std::move(of_trunks_m));
+  return of_trunks_m.empty() ? 0.0 : kWalkingFactor * geometry::median(std::move(of_trunks_m));
 }
 
 /// Probability of being a trunk below which an object is a negative example.

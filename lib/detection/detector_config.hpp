@@ -3,8 +3,7 @@
 
 #include "detection/consistency_config.hpp"
 #include "detection/probability_config.hpp"
-#include "laser/segmentation_config.hpp"
-#include "laser/width_config.hpp"
+#include "laser/laser_config.hpp"
 #include "vision/appearance/appearance_config.hpp"
 #include "vision/vision_config.hpp"
 

@@ -10,25 +10,15 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "laser/tuning.hpp"
 
 namespace orchard::laser {
 namespace {
 
+/// derived: Gauss-Newton settles in 3 to 8 steps; a fit that needs more oscillates.
 constexpr int kMaxIterations = 20;
+/// derived: a tenth of a beam's footprint at arm's length; a thinner object has no curvature.
 constexpr double kMinRadius_m = 1e-3;
-/// From this step on a fit is abandoned if its chi2 per degree of freedom exceeds kHopeless[step]
-/// times kGoodFit: such fits seldom converge to a good circle.
-constexpr int kStepsToJudge = 2;
-constexpr std::array<double, 5> kHopeless{5.0, 4.0, 3.0, 2.0, 1.4};
-/// A fit whose steps are still this long after this many steps oscillates.
-constexpr int kStepsToSettleDown = 7;
-constexpr double kRestless_m = 1e-3;
-/// Cosine of incidence below which a beam has no weight (it grazes; the sides constrain it better)
-/// and above which it has full weight. The ramp keeps the weights continuous during convergence.
-constexpr double kGrazingCosine = 0.2;
-constexpr double kSteepCosine = 0.4;
-/// Residuals beyond this many sigmas are down-weighted (Huber).
-constexpr double kHuber = 2.5;
 
 /// Centre in polar coordinates about the laser, and radius.
 struct Circle {
@@ -45,7 +35,8 @@ struct Normal {
   void add(double residual, const Eigen::Vector3d& jacobian, double variance) {
     const double squared = residual * residual;
     double weight = 1.0 / variance;
-    if (squared > kHuber * kHuber * variance) weight *= kHuber * std::sqrt(variance / squared);
+    if (squared > tuning::kHuber * tuning::kHuber * variance)
+      weight *= tuning::kHuber * std::sqrt(variance / squared);
     const Eigen::Vector3d weighted = weight * jacobian;
     for (int row = 0; row < 3; ++row) {
       for (int col = row; col < 3; ++col) information(row, col) += weighted[row] * jacobian[col];
@@ -56,7 +47,7 @@ struct Normal {
   }
 };
 
-/// Beams computed at once (SIMD lanes).
+/// derived: beams computed at once (lanes of a SIMD register).
 constexpr Eigen::Index kLanes = 2;
 using Lanes = Eigen::Array<double, kLanes, 1>;
 
@@ -67,8 +58,9 @@ class RangeSums {
       : c_(c),
         centre_c_(std::cos(c.bearing_rad)),
         centre_s_(std::sin(c.bearing_rad)),
-        min_half_chord2_m2_(kGrazingCosine * kGrazingCosine * c.radius_m * c.radius_m),
-        weight_by_half_chord_(1.0 / (c.radius_m * (kSteepCosine - kGrazingCosine))),
+        min_half_chord2_m2_(tuning::kGrazingCosine * tuning::kGrazingCosine * c.radius_m *
+                            c.radius_m),
+        weight_by_half_chord_(1.0 / (c.radius_m * (tuning::kSteepCosine - tuning::kGrazingCosine))),
         quarter_step_rad_(0.25 * step_rad),
         range_var_m2_(range_sd_m * range_sd_m) {
     for (Lanes& sum : sums_) sum.setZero();
@@ -95,7 +87,7 @@ class RangeSums {
     const Lanes spread_m = by_bearing * quarter_step_rad_;
     const Lanes variance = range_var_m2_ + spread_m * spread_m;
     const Lanes squared = residual * residual;
-    const Lanes least = kHuber * kHuber * variance;
+    const Lanes least = tuning::kHuber * tuning::kHuber * variance;
     const Lanes huber = (least / squared.max(least)).sqrt();
     const Lanes weight = fraction * huber / variance;
     const Lanes weighted_range = weight * by_range, weighted_bearing = weight * by_bearing;
@@ -125,7 +117,8 @@ class RangeSums {
   }
 
  private:
-  static constexpr double kFromWeight = kGrazingCosine / (kSteepCosine - kGrazingCosine);
+  static constexpr double kFromWeight =
+      tuning::kGrazingCosine / (tuning::kSteepCosine - tuning::kGrazingCosine);
 
   Circle c_;
   double centre_c_, centre_s_;
@@ -197,10 +190,10 @@ Circle first_guess(const Arc& arc) {
 }
 
 bool is_hopeless(const Normal& normal, int step) {
-  if (step < kStepsToJudge) return false;
-  const std::size_t k =
-      std::min<std::size_t>(static_cast<std::size_t>(step - kStepsToJudge), kHopeless.size() - 1);
-  return normal.chi2 > kHopeless[k] * kGoodFit * (normal.count - 3);
+  if (step < tuning::kStepsToJudge) return false;
+  const std::size_t k = std::min<std::size_t>(
+      static_cast<std::size_t>(step - tuning::kStepsToJudge), tuning::kHopeless.size() - 1);
+  return normal.chi2 > tuning::kHopeless[k] * tuning::kGoodFit * (normal.count - 3);
 }
 
 Circle polar(const CircleFit& fit) {
@@ -243,7 +236,8 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
       return std::nullopt;
     }
     settled = largest_m < search.settled_m;
-    if (search.only_good && i >= kStepsToSettleDown && largest_m > kRestless_m) return std::nullopt;
+    if (search.only_good && i >= tuning::kStepsToSettleDown && largest_m > tuning::kRestless_m)
+      return std::nullopt;
   }
   if (!settled) return std::nullopt;
 
@@ -261,6 +255,27 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
   fit.covariance = {covariance(0, 0), covariance(0, 1), covariance(1, 1),
                     covariance(0, 2), covariance(1, 2), covariance(2, 2)};
   return fit;
+}
+
+double line_chi2(const Arc& arc, double range_sd_m) {
+  // A line is 1 / range = a cos + b sin; sd(1 / range) = sd(range) / range^2.
+  double cc = 0.0, cs = 0.0, ss = 0.0, cy = 0.0, sy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
+    const double weight = arc.ranges_m[i] * arc.ranges_m[i] / range_sd_m;
+    const double c = weight * arc.cosines[i];
+    const double s = weight * arc.sines[i];
+    const double y = arc.ranges_m[i] / range_sd_m;
+    cc += c * c;
+    cs += c * s;
+    ss += s * s;
+    cy += c * y;
+    sy += s * y;
+    yy += y * y;
+  }
+  const double determinant = cc * ss - cs * cs;
+  if (!(determinant > 0.0)) return 0.0;
+  const double a = (cy * ss - sy * cs) / determinant, b = (sy * cc - cy * cs) / determinant;
+  return std::max(0.0, yy - a * cy - b * sy);
 }
 
 }  // namespace orchard::laser

@@ -45,13 +45,10 @@ struct CircleSearch {
   /// Initial circle in the frame of the arc; none = the arc is taken for the whole visible half.
   std::optional<CircleFit> near;
   double settled_m = 1e-5;  ///< convergence threshold for a step of centre or radius
-  /// Abandons the fit early when it is unlikely to become good (see kGoodFit).
+  /// Abandons the fit early when it is unlikely to become good (see tuning::kGoodFit).
   bool only_good = false;
   std::optional<RadiusPrior> prior;  ///< counts as one more measurement
 };
-
-/// Chi2 per degree of freedom below which a fit is explained by noise.
-inline constexpr double kGoodFit = 3.0;
 
 /// Fits a circle to ranges and sides by maximum likelihood (Gauss-Newton): a beam measures the near
 /// side of the circle, a side is a tangent to it. The variance of a range is the range noise plus
@@ -63,5 +60,9 @@ inline constexpr double kGoodFit = 3.0;
 /// determine no circle with a radius in (1 mm, radius_max_m).
 std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, double range_sd_m,
                                     double radius_max_m, const CircleSearch& search = {});
+
+/// Chi2 of an arc's ranges about the best straight line, with `range_sd_m` as the noise of a range.
+/// Degrees of freedom: number of beams less 2.
+double line_chi2(const Arc& arc, double range_sd_m);
 
 }  // namespace orchard::laser

@@ -6,24 +6,22 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "laser/tuning.hpp"
 
 namespace orchard::laser {
 namespace {
 
-/// Max range difference between two returns from one object, in standard deviations.
+/// derived: max range difference between two returns from one object, in standard deviations; noise
+/// exceeds it in 1 of 16,000 pairs.
 constexpr double kSigmas = 4.0;
-/// Min number of scans used before found() reports anything.
+/// derived: min number of scans used before found() reports anything: a fraction of 0.5 is then
+/// known to 0.07.
 constexpr int kScansMin = 50;
+/// physical: the range bins cover 3 m: no robot extends farther from its scanner.
 constexpr double kBin_m = 0.1;
-/// The range bins cover 3 m: no robot extends farther from its scanner.
 constexpr std::size_t kNumBins = 30;
-/// Max fraction of the field of view that the robot itself covers.
-constexpr double kOwnViewMax = 0.2;
-/// Max fraction of scans in which a direction of the environment has a return within the clearance.
-constexpr double kRarely = 0.05;
-/// Min fraction of scans with a return from an object that travels along, and at its borders.
-constexpr double kOften = 0.5;
-constexpr double kSometimes = 2.0 * kRarely;
+/// derived: min fraction of scans at the borders of an object that travels along.
+constexpr double kSometimes = 2.0 * tuning::kRarely;
 
 }  // namespace
 
@@ -82,16 +80,16 @@ std::vector<double> OwnReturns::fractions_within(std::size_t num_bins) const {
   return fractions;
 }
 
-/// The clearance in range bins: the largest range within which at most kOwnViewMax of the beams
-/// have returns in more than kRarely of the scans. None if there is no such range.
+/// The clearance in range bins: the largest range within which at most tuning::kOwnViewMax of the
+/// beams have returns in more than tuning::kRarely of the scans. None if there is no such range.
 std::optional<std::size_t> OwnReturns::clear_bins() const {
   for (std::size_t num_bins = kNumBins; num_bins > 0; --num_bins) {
     std::vector<double> fractions = fractions_within(num_bins);
     const auto world =
-        fractions.begin() +
-        static_cast<std::ptrdiff_t>((1.0 - kOwnViewMax) * static_cast<double>(fractions.size()));
+        fractions.begin() + static_cast<std::ptrdiff_t>((1.0 - tuning::kOwnViewMax) *
+                                                        static_cast<double>(fractions.size()));
     std::nth_element(fractions.begin(), world, fractions.end());
-    if (*world <= kRarely) return num_bins;
+    if (*world <= tuning::kRarely) return num_bins;
   }
   return std::nullopt;
 }
@@ -119,7 +117,7 @@ BlindSector OwnReturns::hiding(const std::vector<double>& fractions) const {
     std::size_t last = first;
     int num_often = 0;
     for (; last < num && fractions[last] >= kSometimes; ++last)
-      num_often += fractions[last] >= kOften;
+      num_often += fractions[last] >= tuning::kOften;
     if (num_often >= config_.min_beams) {
       const double middle = 0.5 * static_cast<double>(first + last - 1);
       const double length_rad = step_rad * static_cast<double>(last - first);

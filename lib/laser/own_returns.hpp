@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "laser/blind_sector.hpp"
+#include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 
 namespace orchard::laser {

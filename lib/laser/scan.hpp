@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/angles.hpp"
+
 namespace orchard::laser {
 
 /// One sweep of a 2D laser scanner in the laser frame (x forward, y left).
@@ -36,5 +38,24 @@ struct Scan {
 /// A sweep of the second scanner, channel SCAN.rear. A separate type, so that the two scanners
 /// cannot be confused.
 struct RearScan : Scan {};
+
+/// The fields of scan_t in the order of the wire; see bus/messages/fields.hpp.
+struct ScanFields {
+  template <class M, class Visitor>
+  static void visit(M& m, Visitor& v) {
+    v.stamp(m.utime, m.seq);
+    v.count("num_ranges", m.ranges_m);
+    v.count("num_intensities", m.intensities);
+    v.field("bearing_min_rad", m.bearing_min_rad, -4 * geometry::kPi, 4 * geometry::kPi);
+    v.field("bearing_step_rad", m.bearing_step_rad, -geometry::kPi, geometry::kPi);
+    v.field("beam_period_us", m.beam_period_us, 0, 1e7);
+    v.field("range_min_m", m.range_min_m, 0, 1e5);
+    v.field("range_max_m", m.range_max_m, 0, 1e5);
+    v.array("ranges_m", m.ranges_m, "num_ranges");
+    v.array("intensities", m.intensities, "num_intensities");
+  }
+};
+
+inline ScanFields fields_of(const Scan&) { return {}; }
 
 }  // namespace orchard::laser

@@ -5,15 +5,15 @@
 #include <optional>
 #include <vector>
 
+#include "laser/candidates.hpp"
 #include "laser/circle_fit.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
-#include "laser/segmentation_config.hpp"
-#include "laser/width_config.hpp"
 
 namespace orchard::laser {
 
-/// Upper limit of Segment::gap_left_m and gap_right_m; also their value without a nearer return.
+/// derived: beyond a trunk and its neighbour's nothing is compared. Upper limit of
+/// Segment::gap_left_m and gap_right_m; also their value without a nearer return.
 inline constexpr double kGapMax_m = 2.0;
 
 /// One object of a scan: neighbouring beams on one surface, and their measurements.
@@ -83,5 +83,11 @@ double width_sigma_m(double range_m, double bearing_step_rad, const WidthConfig&
 /// roc_laser of a width measured at a range: exp(-(w - mu)^2 / 2 sigma^2), with sigma from
 /// width_sigma_m(). Source: Shalal et al. 2013, eqs. 9, 10.
 double roc_laser(double width_m, double range_m, double bearing_step_rad, const WidthConfig& width);
+
+/// Measures one segment candidate: range, bearing, width (Shalal et al. 2013, eq. 8), intensity and
+/// shape. `fit` must belong to the same scan; it caches the circles fitted to its candidates.
+Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate,
+                const SegmentationConfig& config, const WidthConfig& width,
+                const LaserConfig& laser, CandidateFitter& fit);
 
 }  // namespace orchard::laser

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 

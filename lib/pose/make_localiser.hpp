@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "pose/graph/chunk_allocator.hpp"
 #include "pose/localiser.hpp"

@@ -6,7 +6,7 @@
 
 #include "bus/messages/message.hpp"
 #include "detection/detection_fields.hpp"
-#include "laser/scan_fields.hpp"
+#include "laser/scan.hpp"
 #include "mapping/finish/map_ways_fields.hpp"
 #include "mapping/landmark_fields.hpp"
 #include "pose/measurement_fields.hpp"

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "pose/scan_matching/point_map.hpp"

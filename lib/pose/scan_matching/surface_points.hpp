@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "pose/scan_matching/scan_motion_config.hpp"

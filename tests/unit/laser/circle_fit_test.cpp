@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "laser/segment.hpp"
 #include "unit/central_difference.hpp"
 #include "unit/laser/exact_scan.hpp"
 
@@ -13,6 +14,13 @@ namespace {
 
 using test::Disc;
 using test::hit_m;
+using test::Noise;
+using test::noise_of;
+using test::noisy_scan;
+using test::Scanner;
+using test::screen;
+using test::Things;
+using test::urg;
 
 constexpr double kStep_rad = 0.0025, kRangeSd_m = 0.008, kSideSd_rad = 0.0007;
 
@@ -152,6 +160,78 @@ TEST(CircleFit, NoneWithoutThreeMeasurementsOrACircleInBounds) {
   CircleSearch good;
   good.only_good = true;
   EXPECT_FALSE(fit(flat, good));
+}
+
+// A tube of 170 mm as a scanner of 0.35 degrees saw it: at its border a beam gains and loses its
+// weight as the circle grows and shrinks. Without a circle it passed for two tubes of 90 mm.
+TEST(CircleFit, ACircleIsFoundThoughABeamAtItsBorderComesAndGoes) {
+  const double step_rad = 2.0 * test::kPi / 1024.0;
+  Arc arc;
+  arc.ranges_m = {2.261, 2.239, 2.217, 2.218, 2.195, 2.207,
+                  2.225, 2.207, 2.207, 2.235, 2.236, 2.287};
+  for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
+    arc.cosines.push_back(std::cos(static_cast<double>(i) * step_rad));
+    arc.sines.push_back(std::sin(static_cast<double>(i) * step_rad));
+  }
+  arc.low_side_rad = -0.5 * step_rad;
+  arc.high_side_rad = 11.5 * step_rad;
+  arc.low_side_sd_rad = step_rad / std::sqrt(12.0);
+  arc.high_side_sd_rad = step_rad;  // something touches it there
+  const auto circle = fit_circle(arc, step_rad, std::hypot(0.003, 0.006 * 2.261), 1.0);
+  ASSERT_TRUE(circle);
+  EXPECT_NEAR(circle->radius_m, 0.085, 0.01);
+  EXPECT_LT(circle->chi2_per_dof(), 2.0);
+}
+
+/// Fraction of seeds whose 95 % ellipse contains the true centre.
+double coverage(const Scanner& scanner, double hidden_fraction, int num_seeds, int& num_fitted) {
+  int inside = 0;
+  num_fitted = 0;
+  for (int seed = 0; seed < num_seeds; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed) + 700);
+    const double radius_m = 0.045 + 0.07 * noise.uniform();
+    const double centre_m = 0.6 + 2.4 * noise.uniform();
+    const double bearing_rad = 2.0 * noise.uniform() - 1.0;
+    const Disc trunk{centre_m * std::cos(bearing_rad), centre_m * std::sin(bearing_rad), radius_m};
+    Things things{{trunk}, {}};
+    if (hidden_fraction > 0.0) {
+      const double half_rad = std::asin(radius_m / centre_m);
+      const double from_rad = bearing_rad + half_rad * (1.0 - 2.0 * hidden_fraction);
+      things.walls.push_back(screen(0.5 * centre_m, from_rad, from_rad + 0.5));
+    }
+    for (const Segment& s :
+         segment(noisy_scan(things, scanner, noise), {}, {}, noise_of(scanner))) {
+      if (std::abs(s.range_m - centre_m) > 0.25 || !s.circle || s.range_m < 0.6 * centre_m)
+        continue;
+      const auto& [xx, xy, yy, xr, yr, rr] = s.circle->covariance;
+      const double dx = s.circle->x_m - trunk.x_m, dy = s.circle->y_m - trunk.y_m;
+      const double z2 = (dx * dx * yy - 2.0 * dx * dy * xy + dy * dy * xx) / (xx * yy - xy * xy);
+      inside += z2 < 5.991;  // chi2 of two, 95 %
+      ++num_fitted;
+    }
+  }
+  return static_cast<double>(inside) / num_fitted;
+}
+
+// In 95 % of cases 500 draws hold the truth in 93.1 to 96.9 %. Of the nine here two are out of
+// that: 98.0 % (0.0044 rad, whole trunk: stated too large), 92.6 % of 431 (0.0070 rad, hidden by
+// 0.3).
+TEST(CircleFit, NinetyToNinetyEightPercentOfItsEllipsesHoldTheTruth) {
+  constexpr int kSeeds = 500;
+  for (const Scanner& scanner : {urg(), test::field_scanner(), test::vlp16_slice()}) {
+    for (const double hidden : {0.0, 0.3, 0.5}) {
+      int num_fitted = 0;
+      const double fraction = coverage(scanner, hidden, kSeeds, num_fitted);
+      // With a hidden side the radius follows from the curvature alone, which a linear covariance
+      // understates for few beams: 0.912 of 410 at 0.4 degrees.
+      EXPECT_GT(fraction, hidden > 0.0 ? 0.90 : 0.92) << scanner.step_rad << " " << hidden;
+      EXPECT_LT(fraction, 0.985) << scanner.step_rad << " " << hidden;
+      EXPECT_GT(num_fitted, hidden > 0.0 ? kSeeds / 2 : kSeeds * 9 / 10) << hidden;
+      RecordProperty("coverage", std::to_string(fraction));
+      std::printf("  step %.4f rad, hidden %.1f: %.3f of %d\n", scanner.step_rad, hidden, fraction,
+                  num_fitted);
+    }
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 
 namespace orchard::laser::test {
@@ -116,6 +117,20 @@ inline Scan noisy_scan(const Things& things, const Scanner& scanner, Noise& nois
     scan.ranges_m[i] = static_cast<float>(range_m + sd_m * draw);
   }
   return scan;
+}
+
+/// The range noise that a rig with this scanner states.
+inline LaserConfig noise_of(const Scanner& scanner) {
+  LaserConfig laser;
+  laser.range_sd_m = std::max(scanner.range_sd_m, 0.003);
+  laser.range_sd_fraction = scanner.range_sd_fraction;
+  return laser;
+}
+
+/// A wall nearer than everything that hides what lies left of a bearing.
+inline Wall screen(double range_m, double from_rad, double to_rad) {
+  return {range_m * std::cos(from_rad), range_m * std::sin(from_rad), range_m * std::cos(to_rad),
+          range_m * std::sin(to_rad)};
 }
 
 }  // namespace orchard::laser::test

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
@@ -12,24 +13,111 @@
 namespace orchard::detection {
 namespace {
 
-/// Message time between two comparisons [s]: edges are costly.
+/// derived: lines nearer to each other than this are one line found in two windows.
+constexpr double kSameLine_px = 1.0;
+/// derived: tolerance of the width in the image against the laser's: about a beam step and a pixel,
+/// plus a fraction of the width.
+constexpr double kWidthTolerance_px = 1.5;
+
+vision::PixelRect widened(const vision::PixelRect& window, double reach_px) {
+  const int reach = static_cast<int>(std::ceil(reach_px));
+  return {window.x_px - reach, window.y_px, window.width_px + 2 * reach, window.height_px};
+}
+
+/// Finds lines in windows that are shifted across the search range in steps of half a window.
+std::vector<vision::EdgeLine> lines_about(const vision::EdgeMap& map,
+                                          const vision::PixelRect& window, double expected_x_px,
+                                          double reach_px, const Rig& rig) {
+  std::vector<vision::EdgeLine> lines;
+  const int step = std::max(1, window.width_px / 2);
+  const int num_steps = static_cast<int>(std::ceil(reach_px / step));
+  for (int i = -num_steps; i <= num_steps; ++i) {
+    const vision::PixelRect slid = vision::intersection(
+        {window.x_px + i * step, window.y_px, window.width_px, window.height_px}, map.area);
+    if (slid.width_px < vision::tuning::kMinWindow_px || slid.height_px < window.height_px) {
+      continue;
+    }
+    const auto line = vision::find_edge(map, slid, expected_x_px + i * step, rig.detector.edges);
+    if (!line.found || line.roc < tuning::kEdgeRocMin) continue;
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const auto& other) {
+      return std::abs(other.x_px - line.x_px) < kSameLine_px;
+    });
+    if (same == lines.end()) {
+      lines.push_back(line);
+    } else if (line.roc > same->roc) {
+      *same = line;
+    }
+  }
+  return lines;
+}
+
+}  // namespace
+
+vision::PixelRect edge_offset_area(const TrunkView& view, double reach_px, const Rig& rig) {
+  const vision::PixelRect picture = picture_of(rig);
+  return vision::bounding(vision::edge_reading_area(widened(view.left_edge, reach_px), picture),
+                          vision::edge_reading_area(widened(view.right_edge, reach_px), picture));
+}
+
+std::vector<EdgeOffset> edge_offsets(const vision::EdgeMap& map, const TrunkView& view,
+                                     double reach_px, const Rig& rig) {
+  const auto left = lines_about(map, view.left_edge, view.left_x_px, reach_px, rig);
+  const auto right = lines_about(map, view.right_edge, view.right_x_px, reach_px, rig);
+  const double width_px = view.right_x_px - view.left_x_px;
+  const double tolerance_px = kWidthTolerance_px + tuning::kWidthToleranceFraction * width_px;
+  std::vector<EdgeOffset> offsets;
+  for (const vision::EdgeLine& l : left) {
+    for (const vision::EdgeLine& r : right) {
+      if (std::abs(r.x_px - l.x_px - width_px) > tolerance_px) continue;
+      const EdgeOffset offset{l.x_px - view.left_x_px, r.x_px - view.right_x_px,
+                              std::min(l.roc, r.roc)};
+      if (std::abs(offset.middle_px()) <= reach_px) offsets.push_back(offset);
+    }
+  }
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const EdgeOffset& a, const EdgeOffset& b) { return a.roc > b.roc; });
+  return offsets;
+}
+
+std::vector<CandidateEdges> find_candidate_edges(const LaserFindings& findings,
+                                                 vision::PictureReader& picture, const Rig& rig,
+                                                 const std::optional<Motion>& motion,
+                                                 double reach_px) {
+  const vision::Image& image = picture.image();
+  std::vector<CandidateEdges> seen;
+  const auto to_exposure = to_picture(findings, image, rig, motion);
+  vision::PixelRect reading;
+  for (std::size_t i = 0; i < findings.candidates.size(); ++i) {
+    const auto view = view_of(findings.candidates[i].segment, rig, to_exposure);
+    if (!view) continue;
+    seen.push_back({i, *view, {}});
+    reading = vision::bounding(reading, edge_offset_area(*view, reach_px, rig));
+    picture.expect(reading_area(*view, rig));
+  }
+  const bool fits = image.width_px == rig.camera.intrinsics().width_px &&
+                    image.height_px == rig.camera.intrinsics().height_px;
+  if (reading.empty() || !fits) return {};
+  const auto pixels = picture.read(reading);
+  if (!pixels) return {};
+  const vision::EdgeMap map = vision::edge_map(*pixels, rig.detector.edges);
+  for (CandidateEdges& candidate : seen) {
+    candidate.offsets = edge_offsets(map, candidate.view, reach_px, rig);
+  }
+  seen.erase(std::remove_if(seen.begin(), seen.end(),
+                            [](const CandidateEdges& c) { return c.offsets.empty(); }),
+             seen.end());
+  return seen;
+}
+
+namespace {
+
+/// derived: message time between two comparisons [s]: edges are costly.
 constexpr double kPeriod_s = 1.0;
 
-/// Window of the running median in message time [s]; longer than a single object stays in view.
-constexpr double kDisagreementWindow_s = 20.0;
-
-/// Min number of observations for a median.
-constexpr int kObjectsMin = 20;
-
-/// Disagreement that raises the warning [deg], once the median is certain to reach it.
-constexpr double kWarn_deg = 0.75;
-
-/// Half width of the median's confidence interval [standard deviations]. Among bushes the edges lie
-/// anywhere in the search window, and the median of some tens of them is off by chance.
+/// derived (1 in 16,000): half width of the median's confidence interval [standard deviations].
+/// Among bushes the edges lie anywhere in the search window, and the median of some tens of them is
+/// off by chance.
 constexpr double kCertain_sigma = 4.0;
-
-/// Median disagreement below which the warning is cleared [deg].
-constexpr double kClear_deg = 0.5;
 
 /// Returns the end of the median's confidence interval that is nearer to zero, and zero if that
 /// lies within. How many of n values lie below the true median is binomial with variance n / 4,
@@ -57,17 +145,17 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   last_utime_ = utime;
   for (const double offset_px : offsets_px) observations_.push_back({utime, offset_px});
   while (!observations_.empty() &&
-         timing::seconds(utime - observations_.front().utime) > kDisagreementWindow_s) {
+         timing::seconds(utime - observations_.front().utime) > tuning::kDisagreementWindow_s) {
     observations_.pop_front();
   }
-  const bool is_long = timing::seconds(utime - first_utime_) >= kDisagreementWindow_s;
-  if (!is_long || num_observations() < kObjectsMin) return;  // too few: keep the state
+  const bool is_long = timing::seconds(utime - first_utime_) >= tuning::kDisagreementWindow_s;
+  if (!is_long || num_observations() < tuning::kObjectsMin) return;  // too few: keep the state
   std::vector<double> values;
   values.reserve(observations_.size());
   for (const Observation& observation : observations_) values.push_back(observation.offset_px);
   median_px_ = geometry::median(values);
-  raised_ = raised_ ? std::abs(degrees(median_px_)) >= kClear_deg
-                    : std::abs(degrees(certain_median(values))) >= kWarn_deg;
+  raised_ = raised_ ? std::abs(degrees(median_px_)) >= tuning::kClear_deg
+                    : std::abs(degrees(certain_median(values))) >= tuning::kWarn_deg;
   if (raised_ && std::abs(median_px_) > std::abs(worst_px_)) worst_px_ = median_px_;
 }
 
@@ -87,12 +175,14 @@ std::string ConsistencyMonitor::disagreement(const char* verb, double offset_px,
 
 std::string ConsistencyMonitor::warning() const {
   if (!raised_) return {};
-  return disagreement("disagree", median_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
+  return disagreement("disagree", median_px_,
+                      tuning::kDisagreementWindow_s + timing::seconds(raised_us_));
 }
 
 std::string ConsistencyMonitor::run_summary() const {
   if (worst_px_ == 0.0) return {};
-  return disagreement("disagreed", worst_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
+  return disagreement("disagreed", worst_px_,
+                      tuning::kDisagreementWindow_s + timing::seconds(raised_us_));
 }
 
 }  // namespace orchard::detection

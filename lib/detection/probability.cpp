@@ -8,6 +8,7 @@
 namespace orchard::detection {
 namespace {
 
+// derived: features beyond these limits tell no more.
 constexpr double kZMax = 5.0;
 constexpr double kLogOddsMax = 5.0;
 
@@ -23,7 +24,7 @@ double score(const std::vector<double>& weights, const ProbabilityFeatures& feat
   return sum;
 }
 
-/// Min roc_laser of candidates (three standard deviations: DetectorConfig::kRocLaserMin).
+/// derived: min roc_laser of candidates (three standard deviations: DetectorConfig::kRocLaserMin).
 /// Shows whether the camera examined an object with roc_colour 0, because the message does not say.
 constexpr float kRocLaserOfCandidates = 0.0111f;
 

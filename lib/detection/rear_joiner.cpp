@@ -11,17 +11,21 @@
 namespace orchard::detection {
 namespace {
 
+/// physical: most scanners turn ten times a second.
 constexpr std::int64_t kUnknownTurn_us = 100'000;
 
-/// Margin for clock errors and variations of a scanner's speed.
+/// physical: margin for clock errors and variations of a scanner's speed.
 constexpr double kTurnMargin = 1.1;
 
-/// Max speed of a robot; bounds its motion between two observations of a trunk without ODOMETRY.
+/// physical: max speed of a robot; bounds its motion between two observations of a trunk without
+/// ODOMETRY.
 constexpr double kSpeedMax_mps = 2.0;
 
+/// derived: two seconds of motions at 500 Hz.
 constexpr std::size_t kMotionsMax = 1024;
 
-/// Max number of sweeps of the second scanner that wait while the first one is silent.
+/// derived (five seconds): max number of sweeps of the second scanner that wait while the first one
+/// is silent.
 constexpr std::size_t kRearWaitingMax = 50;
 
 /// Whether two detections overlap and therefore are the same object.

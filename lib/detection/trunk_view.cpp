@@ -6,15 +6,15 @@
 #include <cmath>
 #include <utility>
 
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 #include "vision/edges.hpp"
-#include "vision/window.hpp"
+#include "vision/pixel_block.hpp"
 
 namespace orchard::detection {
 namespace {
 
-/// Uncertainty of an object's side in the image: one beam step, which is about a pixel in the
-/// middle of a typical image and more towards its sides. The exposure time adds a similar
+/// derived: uncertainty of an object's side in the image: one beam step, which is about a pixel in
+/// the middle of a typical image and more towards its sides. The exposure time adds a similar
 /// uncertainty.
 constexpr double kSideSpread_px = 1.5;
 
@@ -75,8 +75,7 @@ std::optional<vision::PixelRect> window(const ProjectedPoint& point, double widt
                                         double height_m, const Rig& rig) {
   const auto& fc_px = rig.camera.intrinsics().fc_px;
   return vision::window_around(point.pixel.x(), point.pixel.y(), point.depth_m, width_m, height_m,
-                               fc_px[0], fc_px[1], picture_of(rig),
-                               vision::WindowConfig::kMinSize_px);
+                               fc_px[0], fc_px[1], picture_of(rig), vision::tuning::kMinWindow_px);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "evaluation/error_summary_json.hpp"
 #include "evaluation/paper_tables.hpp"
 

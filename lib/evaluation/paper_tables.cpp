@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "geometry/angles.hpp"
 #include "text/number_text.hpp"
 

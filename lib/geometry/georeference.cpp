@@ -10,7 +10,7 @@
 namespace orchard::geometry {
 namespace {
 
-constexpr double kFalseNorthing_m = 1e7;
+constexpr double kFalseNorthing_m = 1e7;  // physical: UTM, southern hemisphere
 
 struct Zone {
   int number = 0;

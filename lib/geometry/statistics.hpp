@@ -5,11 +5,11 @@
 
 namespace orchard::geometry {
 
-/// Ratio of a normal distribution's standard deviation to its median absolute deviation.
+/// derived: ratio of a normal distribution's standard deviation to its median absolute deviation.
 inline constexpr double kMadToSd = 1.4826;
 
-/// Gates on the squared Mahalanobis distance of a planar residual: quantiles of the chi-square
-/// distribution of 2 degrees of freedom, -2 ln(1 - p).
+/// derived: gates on the squared Mahalanobis distance of a planar residual: quantiles of the
+/// chi-square distribution of 2 degrees of freedom, -2 ln(1 - p).
 inline constexpr double kChiSquare2_997 = 11.8;  ///< three sigma: 99.73 %
 inline constexpr double kChiSquare2_999 = 13.8;  ///< 99.9 %
 

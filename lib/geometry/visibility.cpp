@@ -9,9 +9,10 @@
 namespace orchard::geometry {
 namespace {
 
-/// Min distance behind a seen trunk: a nearer point is the trunk itself.
+/// physical: min distance behind a seen trunk: a nearer point is the trunk itself.
 constexpr double kBehind_m = 0.3;
-/// Border of the shadow: a trunk counts as hidden up to this far beside it.
+/// physical (half a trunk): border of the shadow: a trunk counts as hidden up to this far beside
+/// it.
 constexpr double kHalfTrunk_m = 0.08;
 
 }  // namespace

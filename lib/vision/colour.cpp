@@ -12,8 +12,8 @@ namespace orchard::vision {
 HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window) {
   cv::Mat hsv;
   cv::cvtColor(view_of(pixels, window), hsv, cv::COLOR_BGR2HSV);
-  const double saturation_min = 255.0 * ColourConfig::kSaturationMin;
-  const double value_min = 255.0 * ColourConfig::kValueMin;
+  const double saturation_min = 255.0 * tuning::kSaturationMin;
+  const double value_min = 255.0 * tuning::kValueMin;
   HueHistogram histogram;
   histogram.num_pixels = window.width_px * window.height_px;
   for (int y = 0; y < hsv.rows; ++y) {

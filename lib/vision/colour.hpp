@@ -8,11 +8,11 @@
 
 namespace orchard::vision {
 
-inline constexpr int kNumHues = 180;  ///< OpenCV's 8-bit hue: steps of 2 degrees
+inline constexpr int kNumHues = 180;  ///< physical: OpenCV's 8-bit hue: steps of 2 degrees
 inline constexpr double kHueStep_deg = 2.0;
 
 /// Histogram of the hues of a window's coloured pixels: those with saturation and value not below
-/// ColourConfig's minimum.
+/// the tuned minimum.
 struct HueHistogram {
   std::array<int, kNumHues> counts{};  ///< index = hue / kHueStep_deg
   int num_coloured = 0;

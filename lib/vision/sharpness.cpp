@@ -8,8 +8,9 @@
 namespace orchard::vision {
 namespace {
 
+// physical: the filter needs 5 pixels; black and white after JPEG compression; noise of one level.
 constexpr int kMinSide_px = 5;
-constexpr double kBlack = 4.0, kWhite = 251.0;  // black and white after JPEG compression
+constexpr double kBlack = 4.0, kWhite = 251.0;
 constexpr double kNoise_grey = 1.0;
 
 /// Brightness of each pixel with the weights of ITU-R BT.601.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "vision/tuning.hpp"
+
 namespace orchard::vision {
 
 /// Windows around projected laser points. Section `detector.window`. Sizes are in metres on the
@@ -10,7 +12,6 @@ struct WindowConfig {
   double colour_height_m = 0.20;
   double edge_width_m = 0.06;
   double edge_height_m = 0.20;
-  static constexpr int kMinSize_px = 4;  ///< smaller windows count as unseen
 };
 
 template <class Visitor>
@@ -29,9 +30,9 @@ void describe(Visitor& v, WindowConfig& c) {
 struct ColourConfig {
   double hue_min_deg = 17.6;
   double hue_max_deg = 44.6;
-  static constexpr double kSaturationMin = 0.10;  ///< paler pixels have no hue
-  static constexpr double kValueMin = 0.10;       ///< darker pixels have no hue
-  static constexpr int kHueBins = 36;  ///< bins of the histogram whose peak is the dominant hue
+  /// derived: bins of the histogram whose peak is the dominant hue, of 10 degrees: half of the
+  /// narrowest interval of bark.
+  static constexpr int kHueBins = 36;
 };
 
 template <class Visitor>
@@ -52,7 +53,7 @@ struct EdgeConfig {
   LineFit fit = LineFit::kTotalMinSquares;
   double canny_low = 40;
   double canny_high = 100;
-  static constexpr int kMedianSize_px = 3;  ///< odd
+  static constexpr int kMedianSize_px = 3;  ///< derived: smallest odd window above one
   int min_points = 5;
   double max_tilt_deg = 20;
 };

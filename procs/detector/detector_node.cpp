@@ -25,7 +25,7 @@ DetectorNode::DetectorNode(const io::Config& config)
       pairer_(make_pairer(config)),
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
-                     std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)),
+                     std::tan(detection::tuning::kSearchWindow_deg * geometry::kPi / 180.0)),
       has_wheels_(has_wheels(config)),
       health_(config) {
   if (config.laser_rear.enabled) {

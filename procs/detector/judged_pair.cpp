@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "detection/edge_offset.hpp"
+#include "detection/consistency_monitor.hpp"
 
 namespace orchard::procs {
 

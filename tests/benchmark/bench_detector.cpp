@@ -18,7 +18,7 @@
 #include "detection/trunk_view.hpp"
 #include "geometry/statistics.hpp"
 #include "unit/detection/tube_rig.hpp"
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 #include "vision/decode.hpp"
 
 namespace {

@@ -14,7 +14,7 @@
 
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "experiments/laser_camera_views.hpp"
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 #include "io/config/config.hpp"
 
 namespace {

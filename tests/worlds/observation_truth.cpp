@@ -9,7 +9,6 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
-#include "geometry/laser_camera.hpp"
 #include "worlds/angular_interval.hpp"
 
 namespace orchard::simulation {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
 #include "simulation/scene/drive_path.hpp"
 #include "simulation/scene/scene.hpp"
 #include "simulation/scene/world.hpp"

@@ -5,13 +5,13 @@
 #include <cstdint>
 
 #include "bus/messages/message.hpp"
-#include "detection/detection_fields.hpp"
+#include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "mapping/finish/map_ways_fields.hpp"
 #include "mapping/landmark_fields.hpp"
 #include "pose/measurement_fields.hpp"
 #include "pose/pose_fields.hpp"
-#include "vision/image_fields.hpp"
+#include "vision/image.hpp"
 
 namespace orchard::bus {
 

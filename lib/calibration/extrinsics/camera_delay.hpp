@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "detection/edge_offset.hpp"
+#include "detection/consistency_monitor.hpp"
 
 namespace orchard::calibration {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 
 namespace orchard::calibration {
 

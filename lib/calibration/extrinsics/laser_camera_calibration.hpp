@@ -8,7 +8,7 @@
 #include "calibration/extrinsics/adjustment.hpp"
 #include "calibration/extrinsics/mean_scan.hpp"
 #include "calibration/extrinsics/observability.hpp"
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
 
 namespace orchard::calibration {

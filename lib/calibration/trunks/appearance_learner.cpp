@@ -12,7 +12,7 @@
 #include <string>
 
 #include "geometry/statistics.hpp"
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 
 namespace orchard::calibration {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "vision/appearance/appearance_config.hpp"
+#include "vision/appearance_config.hpp"
 
 namespace orchard::calibration {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "geometry/statistics.hpp"
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 
 namespace orchard::calibration {
 namespace {

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <utility>
 
-#include "detection/centre.hpp"
+#include "detection/detect.hpp"
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
-#include "vision/appearance/appearance.hpp"
-#include "vision/appearance/exposure.hpp"
+#include "vision/appearance.hpp"
+#include "vision/exposure.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::calibration {

@@ -7,8 +7,8 @@
 
 #include "detection/rig.hpp"
 #include "laser/scan.hpp"
-#include "vision/appearance/appearance_features.hpp"
-#include "vision/appearance/light.hpp"
+#include "vision/appearance_config.hpp"
+#include "vision/exposure.hpp"
 #include "vision/colour.hpp"
 #include "vision/image.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 
 namespace orchard::io {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
-#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "mapping/landmark.hpp"

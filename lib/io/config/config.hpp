@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "detection/detector_config.hpp"
+#include "detection/rig.hpp"
 #include "device/drivers_config.hpp"
-#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
 #include "io/config/config_error.hpp"
 #include "io/config/config_file.hpp"
 #include "laser/laser_config.hpp"

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/gdal_errors.hpp"
 #include "io/gis/map_layers.hpp"

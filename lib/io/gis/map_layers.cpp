@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "geometry/angles.hpp"
 #include "io/gis/geopackage.hpp"
 #include "io/gis/qgis_style.hpp"

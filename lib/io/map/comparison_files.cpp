@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/folder.hpp"

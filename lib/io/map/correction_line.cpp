@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/rounded.hpp"

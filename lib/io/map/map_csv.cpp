@@ -4,7 +4,7 @@
 #include <limits>
 #include <set>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "geometry/angles.hpp"
 #include "io/csv.hpp"
 #include "io/map/rounded.hpp"

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <utility>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/tree_name.hpp"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "io/file_error.hpp"
 #include "io/map/graph_json.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/file_error.hpp"
 #include "text/whole_number.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/postgis/publication.hpp"
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/postgis/connection.hpp"
 #include "io/postgis/qgis_tables.hpp"
 #include "io/postgis/schema_text.hpp"

@@ -7,7 +7,7 @@
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"
 #include "mapping/album/photograph.hpp"
-#include "vision/picture_reader.hpp"
+#include "vision/decode.hpp"
 #include "vision/pixel_block.hpp"
 
 namespace orchard::mapping {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/compare/clump.hpp"
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 
 namespace orchard::mapping {
 namespace {

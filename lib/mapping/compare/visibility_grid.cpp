@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/visibility.hpp"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
-#include "detection/label_text.hpp"
-#include "geometry/indexed_points.hpp"
+#include "detection/detection.hpp"
+#include "geometry/point_grid.hpp"
 #include "mapping/compare/map_merging.hpp"
 #include "text/number_text.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/corrections/correction_words.hpp"
 
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::mapping {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::mapping {

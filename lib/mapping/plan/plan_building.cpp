@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "mapping/rows/rows.hpp"
 #include "text/number_text.hpp"
 

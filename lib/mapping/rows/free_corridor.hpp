@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/polyline.hpp"
 

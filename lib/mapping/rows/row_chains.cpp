@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::mapping {

@@ -7,7 +7,7 @@
 #include <deque>
 
 #include "geometry/angles.hpp"
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::mapping {

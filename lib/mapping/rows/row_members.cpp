@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/rows/row_chains.hpp"
 

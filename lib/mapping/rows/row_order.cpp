@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/rows/rows.hpp"
 

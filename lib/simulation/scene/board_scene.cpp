@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 #include "simulation/simulator.hpp"
 #include "vision/jpeg_writer.hpp"
 

@@ -8,7 +8,6 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
-#include "geometry/laser_camera.hpp"
 #include "geometry/visibility.hpp"
 #include "simulation/random.hpp"
 

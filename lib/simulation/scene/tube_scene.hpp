@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
 #include "simulation/scene/scene.hpp"
 #include "simulation/simulation_config.hpp"

@@ -10,7 +10,6 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
-#include "geometry/laser_camera.hpp"
 #include "simulation/texture.hpp"
 #include "vision/jpeg_writer.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "io/config/config_edit.hpp"
-#include "vision/appearance/appearance_config.hpp"
+#include "vision/appearance_config.hpp"
 
 namespace orchard::cli {
 

@@ -16,8 +16,8 @@
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
-#include "vision/appearance/appearance.hpp"
-#include "vision/appearance/exposure.hpp"
+#include "vision/appearance.hpp"
+#include "vision/exposure.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "cli/growers/edit.hpp"
 #include "cli/maps/map_registration.hpp"
 #include "cli/maps/stored_content.hpp"
-#include "detection/label_text.hpp"
+#include "detection/detection.hpp"
 #include "io/map/corrections_file.hpp"
 #include "mapping/corrections/correction_words.hpp"
 #include "text/number_text.hpp"

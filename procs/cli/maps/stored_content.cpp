@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "geometry/indexed_points.hpp"
+#include "geometry/point_grid.hpp"
 
 namespace orchard::cli {
 

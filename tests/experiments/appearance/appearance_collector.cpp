@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "detection/trunk_view.hpp"
-#include "vision/appearance/appearance.hpp"
-#include "vision/appearance/exposure.hpp"
+#include "vision/appearance.hpp"
+#include "vision/exposure.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard {

@@ -7,7 +7,7 @@
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "io/config/config.hpp"
-#include "vision/appearance/appearance_features.hpp"
+#include "vision/appearance_config.hpp"
 
 namespace orchard {
 

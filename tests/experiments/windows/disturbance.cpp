@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "vision/appearance/exposure.hpp"
+#include "vision/exposure.hpp"
 
 namespace orchard::evaluation {
 

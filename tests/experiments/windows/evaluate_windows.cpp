@@ -13,8 +13,8 @@
 #include "experiments/windows/worst_windows.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
-#include "vision/appearance/appearance.hpp"
-#include "vision/appearance/exposure.hpp"
+#include "vision/appearance.hpp"
+#include "vision/exposure.hpp"
 #include "vision/colour.hpp"
 
 namespace orchard {

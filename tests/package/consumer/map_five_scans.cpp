@@ -10,7 +10,7 @@
 
 #include "detection/detect.hpp"
 #include "detection/rig.hpp"
-#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "mapping/mapper.hpp"

@@ -12,7 +12,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "geometry/angles.hpp"
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_writer.hpp"
 #include "system/calibration/run_orchard.hpp"

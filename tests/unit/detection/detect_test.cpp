@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "detection/detect.hpp"
-
+// The detector with `colour_model: appearance`.
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "detection/fuse.hpp"
+#include "detection/detect.hpp"
+#include "detection/detection.hpp"
+#include "detection/trunk_view.hpp"
+#include "geometry/angles.hpp"
+#include "laser/segment.hpp"
 #include "unit/detection/tube_rig.hpp"
+#include "vision/appearance.hpp"
+#include "vision/decode.hpp"
 
 namespace orchard::detection {
 namespace {
@@ -223,6 +228,136 @@ TEST(Detect, NothingToSeeGivesNothing) {
   EXPECT_TRUE(detect(scan_of({}), nullptr, rig).detections.trunks.empty());
   EXPECT_TRUE(detect(laser::Scan{}, nullptr, rig).detections.trunks.empty());
 }
+
+/// Trunks are what is redder than its surroundings.
+DetectorConfig redness() {
+  DetectorConfig config;
+  config.colour_model = ColourModel::kAppearance;
+  config.appearance.mean.assign(vision::kNumAppearanceFeatures, 0.0);
+  config.appearance.scale.assign(vision::kNumAppearanceFeatures, 1.0);
+  config.appearance.weights.assign(vision::kNumAppearanceFeatures, 0.0);
+  config.appearance.weights[1] = 20.0;  // red_contrast
+  return config;
+}
+
+TEST(AppearanceModel, ItsConfidenceIsRocColourAndGatesTheEdges) {
+  const Rig rig = test::tube_rig(redness());
+  const auto brown = observe({brown_tube(1.5, 0.3)}, rig).trunks.at(0);
+  EXPECT_EQ(brown.label, Label::kTree);
+  EXPECT_GT(brown.roc_colour, 0.95f);
+  EXPECT_GT(brown.roc_edges, 0.5f);
+  const auto blue = observe({blue_tube(1.5, 0.3)}, rig).trunks.at(0);
+  EXPECT_EQ(blue.label, Label::kObject);
+  EXPECT_LT(blue.roc_colour, 0.05f);
+  EXPECT_EQ(blue.roc_edges, 0.0f);
+}
+
+TEST(AppearanceModel, NeighboursInTheSameScanChangeNothing) {
+  const Rig rig = test::tube_rig(redness());
+  const std::vector<Tube> both{brown_tube(1.5, 0.4), blue_tube(1.2, -0.3)};
+  const vision::Image image = test::picture_of_tubes(both, rig);
+  for (const Detection& d : observe(both, rig).trunks) {
+    const bool is_brown = d.bearing_rad > 0.0;
+    const Tube tube = is_brown ? both[0] : both[1];
+    // The same picture, but only one of the two in the scan: less of it is decoded.
+    const auto alone = detect(test::scan_of({tube}), &image, rig).detections.trunks.at(0);
+    EXPECT_EQ(alone.roc_colour, d.roc_colour);
+    EXPECT_EQ(alone.label, d.label);
+  }
+}
+
+TEST(AppearanceModel, RocColourIsTheConfidenceOfTheWindowBetweenTheEdges) {
+  const Rig rig = test::tube_rig(redness());
+  const std::vector<Tube> tubes{brown_tube(1.5, 0.3)};
+  const vision::Image image = test::picture_of_tubes(tubes, rig);
+  const auto segments =
+      laser::segment(test::scan_of(tubes), rig.detector.segmentation, rig.detector.width);
+  ASSERT_EQ(segments.size(), 1u);
+  const auto view = view_of(segments[0], rig);
+  ASSERT_TRUE(view.has_value());
+  const vision::PixelRect window = trunk_window(*view, rig);
+  EXPECT_NEAR(window.x_px, view->left_x_px, 1.0);
+  EXPECT_NEAR(window.x_px + window.width_px - 1, view->right_x_px, 1.0);
+  EXPECT_TRUE(
+      reading_area(*view, rig).contains(vision::appearance_reading_area(window, picture_of(rig))));
+  const auto pixels = vision::decode(image, picture_of(rig));
+  ASSERT_TRUE(pixels.has_value());
+  const double confidence = vision::appearance_confidence(
+      vision::appearance_features(*pixels, window), rig.detector.appearance);
+  EXPECT_NEAR(observe(tubes, rig).trunks.at(0).roc_colour, confidence, 1e-6);
+}
+
+TEST(Centre, ThePapersEquationsAreASpecialCase) {
+  // Eqs. 11, 12: no heading, no lever arm, to the bark. The paper's X is right, its Y forward.
+  const Rig rig = test::tube_rig();
+  laser::Segment segment;
+  segment.range_m = 2.0;
+  segment.bearing_rad = 0.4;
+  segment.num_beams = 8;
+  Detection d;
+  place_in_base(d, segment, test::scan_of({}), false, rig);
+  const double beta_rad = geometry::paper_bearing_rad(segment.bearing_rad);
+  EXPECT_NEAR(-d.surface_y_m, 2.0 * std::sin(beta_rad), 1e-12);
+  EXPECT_NEAR(d.surface_x_m, 2.0 * std::cos(beta_rad), 1e-12);
+}
+
+TEST(Centre, LiesHalfAWidthBehindTheBark) {
+  const Rig rig = test::tube_rig();
+  laser::Segment segment;
+  segment.range_m = 2.0;
+  segment.width_m = 0.2;
+  segment.num_beams = 8;
+  Detection d;
+  place_in_base(d, segment, test::scan_of({}), false, rig);
+  EXPECT_NEAR(d.centre_x_m, 2.1, 1e-12);
+}
+
+TEST(Centre, ATrunksRadiusLeansOnTheModel) {
+  const Rig rig = test::tube_rig();  // 90 mm, sd 10 mm
+  laser::Segment segment;
+  segment.range_m = 2.0;
+  segment.width_m = 0.11;
+  segment.width_sd_m = 0.01;
+  segment.num_beams = 8;
+  Detection d;
+  place_in_base(d, segment, test::scan_of({}), true, rig);
+  EXPECT_NEAR(d.centre_x_m, 2.0 + 0.05, 1e-9);  // half way between 90 and 110 mm
+  segment.width_sd_m = 1e-3;
+  place_in_base(d, segment, test::scan_of({}), true, rig);
+  EXPECT_NEAR(d.centre_x_m, 2.0 + 0.055, 2e-4);
+}
+
+TEST(Centre, AHiddenSideMakesTheBearingUncertain) {
+  const Rig rig = test::tube_rig();
+  laser::Segment segment;
+  segment.range_m = 2.0;
+  segment.width_m = 0.05;
+  segment.num_beams = 4;
+  Detection clear, hidden;
+  hidden.occlusion = kOccludedLeft;
+  place_in_base(clear, segment, test::scan_of({}), true, rig);
+  place_in_base(hidden, segment, test::scan_of({}), true, rig);
+  EXPECT_GT(hidden.covariance[2], clear.covariance[2] + 0.04 * 0.04);
+  EXPECT_NEAR(hidden.covariance[0], clear.covariance[0], 1e-12);
+}
+
+TEST(Fuse, GivesThePapersOutdoorAverages) {
+  EXPECT_NEAR(fuse_vision(0.9, 0.705, 0.6), 0.822, 1e-12);  // section 6.2
+}
+
+TEST(Fuse, ExplainsThePapersObjectB2) {
+  // Table 2: 0.461 with colour failed, so that its roc_laser was 0.922.
+  EXPECT_NEAR(fuse_tree(0.922, 0.0, 0.5), 0.461, 1e-12);
+  EXPECT_EQ(label_of(0.461, 0.6), Label::kObject);
+  EXPECT_EQ(label_of(0.786, 0.6), Label::kTree);  // T11, the least of table 1
+}
+
+TEST(Fuse, EdgesAreTheMeanOfThree) {
+  EXPECT_NEAR(fuse_edges(0.9, 0.6, 0.3), 0.6, 1e-12);
+  EXPECT_DOUBLE_EQ(fuse_edges(1.0, 1.0, 1.0), 1.0);
+}
+
+TEST(Fuse, TheThresholdItselfIsATree) { EXPECT_EQ(label_of(0.6, 0.6), Label::kTree); }
 
 }  // namespace
 }  // namespace orchard::detection

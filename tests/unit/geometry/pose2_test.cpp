@@ -1,15 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/pose2.hpp"
-
 #include <gtest/gtest.h>
+
 #include <mrpt/poses/CPose2D.h>
-
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <vector>
 
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
 #include "unit/central_difference.hpp"
 
 namespace orchard::geometry {
 namespace {
+
+TEST(WrapAngle, StaysInHalfOpenTurnAndKeepsDirection) {
+  for (double angle_rad = -50.0; angle_rad < 50.0; angle_rad += 0.37) {
+    const double wrapped_rad = wrap_angle_rad(angle_rad);
+    EXPECT_GT(wrapped_rad, -kPi);
+    EXPECT_LE(wrapped_rad, kPi);
+    EXPECT_NEAR(std::sin(wrapped_rad), std::sin(angle_rad), 1e-12);
+    EXPECT_NEAR(std::cos(wrapped_rad), std::cos(angle_rad), 1e-12);
+  }
+  EXPECT_DOUBLE_EQ(wrap_angle_rad(-kPi), kPi);
+}
+
+// Shalal et al. 2013, eqs. 11, 12 for a robot that looks along the map's Y axis, against polar
+// coordinates in our frames with the robot's yaw at 90 degrees.
+TEST(PaperBearing, GivesTheSamePointAsEquations11And12) {
+  const double x_robot_m = 1.5, y_robot_m = -0.7, yaw_rad = kPi / 2.0;
+  for (double bearing_rad = -2.0; bearing_rad <= 2.0; bearing_rad += 0.25) {
+    const double range_m = 2.0 + 0.3 * bearing_rad;
+    const double beta_rad = paper_bearing_rad(bearing_rad);
+    const double x_tree_m = x_robot_m + range_m * std::sin(beta_rad);
+    const double y_tree_m = y_robot_m + range_m * std::cos(beta_rad);
+    EXPECT_NEAR(x_tree_m, x_robot_m + range_m * std::cos(yaw_rad + bearing_rad), 1e-12);
+    EXPECT_NEAR(y_tree_m, y_robot_m + range_m * std::sin(yaw_rad + bearing_rad), 1e-12);
+  }
+}
 
 /// Random poses, points and covariances from one seed.
 class Draws {
@@ -104,6 +133,51 @@ TEST(Pose2, ComposesAsMrptDoes) {
     EXPECT_NEAR(ours.y(), theirs.y(), 1e-11);
     EXPECT_NEAR(wrap_angle_rad(ours.z() - theirs.phi()), 0.0, 1e-12);
   }
+}
+
+std::vector<double> shuffled(int n, std::mt19937& random) {
+  std::vector<double> values;
+  for (int i = 0; i < n; ++i) values.push_back(i);
+  std::shuffle(values.begin(), values.end(), random);
+  return values;
+}
+
+TEST(Statistics, QuantileIsTheValueOfItsRank) {
+  std::mt19937 random(7);
+  for (const int n : {1, 2, 3, 4, 10, 101}) {
+    const std::vector<double> values = shuffled(n, random);
+    EXPECT_EQ(quantile(values, 0.0), 0.0);
+    EXPECT_EQ(quantile(values, 0.75), 3 * n / 4);
+    EXPECT_EQ(quantile(values, 1.0), n - 1);
+    EXPECT_EQ(median(values), n / 2);
+  }
+}
+
+TEST(Statistics, MidpointMedianHalvesTheMiddle) {
+  EXPECT_EQ(midpoint_median({4.0, 1.0, 3.0}), 3.0);
+  EXPECT_EQ(midpoint_median({4.0, 1.0, 3.0, 2.0}), 2.5);
+  EXPECT_EQ(midpoint_median({5.0}), 5.0);
+}
+
+TEST(Statistics, NoValuesGiveZero) {
+  EXPECT_EQ(quantile({}, 0.5), 0.0);
+  EXPECT_EQ(midpoint_median({}), 0.0);
+  EXPECT_EQ(robust_sd({}), 0.0);
+}
+
+TEST(Statistics, RobustSdIsThatOfANormalDistributionDespiteOutliers) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 0.3);
+  std::vector<double> deviations;
+  for (int i = 0; i < 20000; ++i) deviations.push_back(normal(random));
+  EXPECT_NEAR(robust_sd(deviations), 0.3, 0.01);
+  for (int i = 0; i < 400; ++i) deviations.push_back(1e6);
+  EXPECT_NEAR(robust_sd(deviations), 0.3, 0.02);
+}
+
+TEST(Statistics, GatesHoldTheStatedFractionOfTheChiSquareDistribution) {
+  EXPECT_NEAR(1.0 - std::exp(-0.5 * kChiSquare2_997), 0.9973, 1e-4);
+  EXPECT_NEAR(1.0 - std::exp(-0.5 * kChiSquare2_999), 0.999, 1e-4);
 }
 
 }  // namespace

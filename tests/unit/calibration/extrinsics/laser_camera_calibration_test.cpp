@@ -10,7 +10,7 @@
 
 #include "calibration/extrinsics/extrinsics_check.hpp"
 #include "calibration/extrinsics/extrinsics_import.hpp"
-#include "geometry/laser_camera.hpp"
+#include "geometry/camera_model.hpp"
 
 namespace orchard::calibration {
 namespace {

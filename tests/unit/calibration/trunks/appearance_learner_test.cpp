@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "geometry/statistics.hpp"
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 
 namespace orchard::calibration {
 namespace {

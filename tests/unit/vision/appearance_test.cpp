@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vision/appearance/appearance.hpp"
-
+// Pictures of the same light at several exposures, encoded here by IEC 61966-2-1.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <random>
 #include <stdexcept>
 #include <string>
 
 #include "unit/vision/test_pictures.hpp"
+#include "vision/appearance.hpp"
+#include "vision/block_view.hpp"
+#include "vision/exposure.hpp"
 
 namespace orchard::vision {
 namespace {
@@ -244,6 +250,126 @@ TEST(Appearance, ConfidenceIsTheLogisticOfTheWeightedFeatures) {
   config.weights.pop_back();
   EXPECT_THROW(appearance_confidence(features, config), std::invalid_argument);
   EXPECT_THROW(appearance_confidence(features, AppearanceConfig()), std::invalid_argument);
+}
+
+/// Largest difference to what OpenCV makes of the same picture in floating point.
+double difference(const cv::Mat& pixels, int rows, int cols) {
+  cv::Mat values, truth;
+  pixels.convertTo(values, CV_32FC3);
+  cv::resize(values, truth, {cols, rows}, 0, 0, cv::INTER_AREA);
+  return cv::norm(area_grid(pixels, rows, cols), truth, cv::NORM_INF);
+}
+
+TEST(AreaGrid, IsTheMeanOverEachCellAsOpenCvHasIt) {
+  cv::RNG random(7);
+  for (int i = 0; i < 300; ++i) {
+    cv::Mat whole(random.uniform(4, 130), random.uniform(4, 90), CV_8UC3);
+    random.fill(whole, cv::RNG::UNIFORM, 0, 256);
+    // a part of a picture, whose rows do not follow each other in memory
+    const cv::Mat pixels = whole(cv::Rect(1, 1, whole.cols - 2, whole.rows - 2));
+    EXPECT_LT(difference(pixels, 16, 8), 1e-3) << pixels.rows << " x " << pixels.cols;
+  }
+}
+
+TEST(AreaGrid, AFractionOfAPixelCountsByItsFraction) {
+  // Three columns on two cells: the middle one belongs to both by halves.
+  cv::Mat pixels(1, 3, CV_8UC3);
+  pixels.at<cv::Vec3b>(0, 0) = {0, 30, 90};
+  pixels.at<cv::Vec3b>(0, 1) = {60, 60, 60};
+  pixels.at<cv::Vec3b>(0, 2) = {120, 0, 30};
+  const cv::Mat grid = area_grid(pixels, 1, 2);
+  EXPECT_LT(cv::norm(grid.at<cv::Vec3f>(0, 0), cv::Vec3f(20, 40, 80)), 1e-3);
+  EXPECT_LT(cv::norm(grid.at<cv::Vec3f>(0, 1), cv::Vec3f(100, 20, 40)), 1e-3);
+}
+
+std::uint8_t encoded(double light) {
+  const double value =
+      light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+}
+
+/// Bark before leaves: light of 2 to 30 % of what saturates, `exposure_ev` brighter.
+PixelBlock bark_at(double exposure_ev) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<> light(0.02, 0.30);
+  cv::Mat picture(80, 96, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const double bright = light(random) * std::exp2(exposure_ev);
+      picture.at<cv::Vec3b>(y, x) = {encoded(0.6 * bright), encoded(0.9 * bright), encoded(bright)};
+    }
+  }
+  return test::block_of(picture);
+}
+
+double mean_difference(const AppearanceFeatures& a, const AppearanceFeatures& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum / static_cast<double>(a.size());
+}
+
+TEST(Exposure, AnUnderexposedPictureHasTheContrastsOfAWellExposedOne) {
+  PixelBlock bright = bark_at(0.0);
+  normalise_exposure(bright);
+  const auto expected = appearance_features(bright, kWindow);
+  for (const double exposure_ev : {-1.0, -2.0}) {
+    PixelBlock dark = bark_at(exposure_ev);
+    const double before = mean_difference(appearance_features(dark, kWindow), expected);
+    normalise_exposure(dark);
+    const double after = mean_difference(appearance_features(dark, kWindow), expected);
+    EXPECT_LT(after, 0.015) << exposure_ev;
+    EXPECT_GT(before, 1.5 * after) << exposure_ev;
+  }
+}
+
+TEST(Exposure, BrightAndBlackPicturesStayAsTheyAre) {
+  for (const double exposure_ev : {1.0, 2.0, -8.0}) {
+    PixelBlock pixels = bark_at(exposure_ev);
+    const auto before = pixels.bgr;
+    normalise_exposure(pixels);
+    EXPECT_EQ(pixels.bgr, before) << exposure_ev;
+  }
+  PixelBlock empty;
+  normalise_exposure(empty);
+  EXPECT_TRUE(empty.bgr.empty());
+}
+
+TEST(Exposure, AModelLearnsADarkPictureAsItJudgesIt) {
+  PixelBlock judged = bark_at(-2.0);
+  const auto learnt = learnt_exposures(judged);
+  normalise_exposure(judged);
+  ASSERT_EQ(learnt.size(), kLearntExposures_ev.size());
+  EXPECT_EQ(learnt[0].bgr, judged.bgr);
+  for (std::size_t i = 1; i < learnt.size(); ++i) {
+    EXPECT_EQ(learnt[i].bgr, exposed(judged, kLearntExposures_ev[i]).bgr) << i;
+    EXPECT_NE(learnt[i].bgr, learnt[i - 1].bgr) << i;
+  }
+}
+
+PixelBlock block(std::uint8_t blue, std::uint8_t green, std::uint8_t red, int num_pixels = 16) {
+  PixelBlock pixels;
+  pixels.area = {10, 20, num_pixels, 1};
+  for (int i = 0; i < num_pixels; ++i) pixels.bgr.insert(pixels.bgr.end(), {blue, green, red});
+  return pixels;
+}
+
+TEST(Light, MeasuresTheLogsOfChannels) {
+  const auto light = window_light(block(50, 100, 200), {12, 20, 8, 1});
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(light->blue, std::log(0.5), 1e-12);
+  EXPECT_NEAR(light->red, std::log(2.0), 1e-12);
+  EXPECT_NEAR(light->green, std::log(100.0), 1e-12);
+}
+
+TEST(Light, ClippedAndDarkPixelsTellNothing) {
+  EXPECT_FALSE(window_light(block(50, 100, 255), {10, 20, 16, 1}));
+  EXPECT_FALSE(window_light(block(0, 100, 200), {10, 20, 16, 1}));
+  PixelBlock pixels = block(50, 100, 200);
+  for (std::size_t i = 0; i < 3 * 12; i += 3) pixels.bgr[i] = 255;  // a quarter is left
+  const auto light = window_light(pixels, pixels.area);
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(light->blue, std::log(0.5), 1e-12);
+  EXPECT_THROW(window_light(pixels, {9, 20, 4, 1}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,25 +1,100 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vision/appearance/appearance.hpp"
+#include "vision/appearance.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <vector>
 
-#include "vision/appearance/area_grid.hpp"
 #include "vision/block_view.hpp"
+#include "vision/tuning.hpp"
 
 namespace orchard::vision {
 namespace {
 
-// Window and bands are resampled to this grid, so features and cost do not depend on range.
+constexpr int kChannels = 3;
+
+/// The source rows (or columns) covered by one row (or column) of the grid, and their weights; the
+/// first and the last may be covered partly.
+struct Cover {
+  int first = 0;
+  int last = 0;
+  float first_weight = 0.0f;
+  float weight = 0.0f;
+  float last_weight = 0.0f;
+
+  float operator()(int line) const {
+    if (line == first) return first_weight;
+    return line == last ? last_weight : weight;
+  }
+};
+
+std::vector<Cover> covers_of(int num_lines, int num_cells) {
+  const double lines_per_cell = static_cast<double>(num_lines) / num_cells;
+  std::vector<Cover> covers(static_cast<std::size_t>(num_cells));
+  for (int i = 0; i < num_cells; ++i) {
+    const double from = i * lines_per_cell, to = from + lines_per_cell;
+    Cover& cover = covers[static_cast<std::size_t>(i)];
+    cover.first = static_cast<int>(from);
+    cover.last = std::clamp(static_cast<int>(std::ceil(to - 1e-9)) - 1, cover.first, num_lines - 1);
+    const auto fraction = [&](int line) {
+      return static_cast<float>((std::min(to, line + 1.0) - std::max(from, line + 0.0)) /
+                                lines_per_cell);
+    };
+    cover.first_weight = fraction(cover.first);
+    cover.weight = static_cast<float>(1.0 / lines_per_cell);
+    cover.last_weight = fraction(cover.last);
+  }
+  return covers;
+}
+
+}  // namespace
+
+cv::Mat area_grid(const cv::Mat& pixels, int rows, int cols) {
+  cv::Mat grid;
+  if (pixels.rows < rows || pixels.cols < cols) {
+    cv::Mat values;
+    pixels.convertTo(values, CV_32FC3);
+    cv::resize(values, grid, {cols, rows}, 0, 0, cv::INTER_AREA);
+    return grid;
+  }
+  grid.create(rows, cols, CV_32FC3);
+  const std::vector<Cover> row_covers = covers_of(pixels.rows, rows);
+  const std::vector<Cover> col_covers = covers_of(pixels.cols, cols);
+  const auto row_size = static_cast<std::size_t>(pixels.cols) * kChannels;
+  std::vector<float> sums(row_size);
+  for (int r = 0; r < rows; ++r) {
+    const Cover& over_rows = row_covers[static_cast<std::size_t>(r)];
+    std::fill(sums.begin(), sums.end(), 0.0f);
+    for (int y = over_rows.first; y <= over_rows.last; ++y) {
+      const float weight = over_rows(y);
+      const auto* source = pixels.ptr<std::uint8_t>(y);
+      for (std::size_t i = 0; i < row_size; ++i) sums[i] += weight * source[i];
+    }
+    auto* cell = grid.ptr<float>(r);
+    for (const Cover& over_cols : col_covers) {
+      float mean[kChannels] = {};
+      for (int x = over_cols.first; x <= over_cols.last; ++x) {
+        const float weight = over_cols(x);
+        for (int c = 0; c < kChannels; ++c) mean[c] += weight * sums[kChannels * x + c];
+      }
+      for (const float value : mean) *cell++ = value;
+    }
+  }
+  return grid;
+}
+
+namespace {
+
+// derived: window and bands are resampled to this grid, so features and cost do not depend on
+// range.
 constexpr int kRows = 16;
 constexpr int kCols = 8;  // of the window and of each band
 constexpr int kAllCols = 3 * kCols;
-constexpr double kFloor = 0.1;  // added to a normalised channel before the log: limits dark noise
-constexpr double kSpreadFloor = 0.02;
 
 /// A third of the grid.
 enum Part { kLeft = 0, kWindow = 1, kRight = 2 };
@@ -129,7 +204,7 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
       }
     }
   }
-  constexpr auto kFloorLight = static_cast<float>(kFloor);
+  constexpr auto kFloorLight = static_cast<float>(tuning::kFloor);
   const Plane log_green = (green + kFloorLight).log();
   Planes planes;
   // Luma (ITU-R BT.601): JPEG codes it finer than any channel, and little of it is blue, which is
@@ -161,7 +236,7 @@ PartStatistics statistics_of(const Plane& plane, const Profile& profile, Part pa
   s.mean = mean;
   s.sd = std::sqrt(variance);
   s.in_columns = (profile.segment<kCols>(part * kCols) - mean).square().mean() /
-                 (variance + kSpreadFloor * kSpreadFloor);
+                 (variance + tuning::kSpreadFloor * tuning::kSpreadFloor);
   s.rows_sd = std::sqrt(off.rowwise().mean().square().mean());
   s.across = (values.rightCols<kCols - 1>() - values.leftCols<kCols - 1>()).abs().mean();
   s.along = (values.bottomRows<kRows - 1>() - values.topRows<kRows - 1>()).abs().mean();
@@ -226,7 +301,7 @@ double common(double a, double b) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-double log_of(double spread) { return std::log(spread + kSpreadFloor); }
+double log_of(double spread) { return std::log(spread + tuning::kSpreadFloor); }
 
 }  // namespace
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vision/appearance/exposure.hpp"
+#include "vision/exposure.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
+#include "vision/block_view.hpp"
+#include "vision/tuning.hpp"
+
 namespace orchard::vision {
 namespace {
-
-/// Mean grey level below which a picture is nearly black.
-constexpr double kGreyLevelsMin = 10.0;
 
 double linear_of(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
@@ -38,7 +39,7 @@ void normalise_exposure(PixelBlock& pixels) {
     light += static_cast<double>(counts[i]) * linear_of(static_cast<double>(i) / 255.0);
   }
   light /= static_cast<double>(std::max<std::size_t>(1, pixels.bgr.size()));
-  if (light >= kMeteredLight || light < kGreyLevelsMin * linear_of(1.0 / 255.0)) return;
+  if (light >= kMeteredLight || light < tuning::kGreyLevelsMin * linear_of(1.0 / 255.0)) return;
   const auto curve = exposure_curve(kMeteredLight / light);
   for (std::uint8_t& value : pixels.bgr) value = curve[value];
 }
@@ -57,6 +58,33 @@ std::vector<PixelBlock> learnt_exposures(PixelBlock pixels) {
     result.push_back(exposed(pixels, exposure_ev));
   }
   return result;
+}
+
+namespace {
+
+// physical: values outside these limits of an 8-bit pixel do not scale with the light.
+constexpr int kDark = 4;
+constexpr int kClipped = 250;
+
+}  // namespace
+
+std::optional<WindowLight> window_light(const PixelBlock& pixels, const PixelRect& window) {
+  const cv::Mat view = view_of(pixels, window);
+  std::array<double, 3> sums{};
+  int num_used = 0;
+  for (int y = 0; y < view.rows; ++y) {
+    const auto* pixel = view.ptr<std::uint8_t>(y);
+    for (int x = 0; x < view.cols; ++x, pixel += 3) {
+      const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
+      if (low < kDark || high > kClipped) continue;
+      for (std::size_t c = 0; c < 3; ++c) sums[c] += pixel[c];
+      ++num_used;
+    }
+  }
+  if (4 * num_used < view.rows * view.cols || num_used == 0) return std::nullopt;
+  const double green = std::log(sums[1] / num_used);
+  return WindowLight{std::log(sums[0] / num_used) - green, std::log(sums[2] / num_used) - green,
+                     green};
 }
 
 }  // namespace orchard::vision

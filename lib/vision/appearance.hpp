@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "vision/appearance/appearance_config.hpp"
-#include "vision/appearance/appearance_features.hpp"
+#include "vision/appearance_config.hpp"
 #include "vision/pixel_block.hpp"
 
 namespace orchard::vision {

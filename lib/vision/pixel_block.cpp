@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vision/window.hpp"
+#include "vision/pixel_block.hpp"
 
 #include <cmath>
 
 namespace orchard::vision {
 namespace {
 
+/// derived: larger values could not be added as integers.
 constexpr double kMaxSize_px = 1e5;
 
 }  // namespace

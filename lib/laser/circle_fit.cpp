@@ -88,8 +88,10 @@ class RangeSums {
     const Lanes variance = range_var_m2_ + spread_m * spread_m;
     const Lanes squared = residual * residual;
     const Lanes least = tuning::kHuber * tuning::kHuber * variance;
-    const Lanes huber = (least / squared.max(least)).sqrt();
-    const Lanes weight = fraction * huber / variance;
+    Lanes weight = fraction;
+    // The root of one is one, and few beams are outliers.
+    if ((squared > least).any()) weight *= (least / squared.max(least)).sqrt();
+    weight /= variance;
     const Lanes weighted_range = weight * by_range, weighted_bearing = weight * by_bearing;
     const Lanes weighted_radius = weight * by_radius;
     sums_[0] += weighted_range * by_range;

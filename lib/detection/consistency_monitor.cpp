@@ -114,7 +114,7 @@ namespace {
 /// derived: message time between two comparisons [s]: edges are costly.
 constexpr double kPeriod_s = 1.0;
 
-/// derived (1 in 16,000): half width of the median's confidence interval [standard deviations].
+/// derived: 1 in 16,000; half width of the median's confidence interval [standard deviations].
 /// Among bushes the edges lie anywhere in the search window, and the median of some tens of them is
 /// off by chance.
 constexpr double kCertain_sigma = 4.0;

@@ -13,7 +13,7 @@ struct Motion {
   double yaw_rate_radps = 0.0;  ///< about base z
 };
 
-/// derived (ten motions at 50 Hz): max time between a motion and the instant that it is used for.
+/// derived: ten motions at 50 Hz; max time between a motion and the instant that it is used for.
 inline constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
 /// Motion of base from each beam of a scan to the exposure of its image.

@@ -11,7 +11,8 @@ namespace orchard::detection {
 
 /// derived: number of features of detections of kind kJudged; see probability_features().
 inline constexpr std::size_t kNumJudgedFeatures = 10;
-/// Number of features of detections measured by the laser alone: the first ones of the same list.
+/// derived: number of features of detections measured by the laser alone: the first ones of the
+/// same list.
 inline constexpr std::size_t kNumLaserFeatures = 6;
 
 /// Weights of the regression from a detection's features to the probabilities of tree, object and

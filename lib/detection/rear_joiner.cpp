@@ -24,7 +24,7 @@ constexpr double kSpeedMax_mps = 2.0;
 /// derived: two seconds of motions at 500 Hz.
 constexpr std::size_t kMotionsMax = 1024;
 
-/// derived (five seconds): max number of sweeps of the second scanner that wait while the first one
+/// derived: five seconds; max number of sweeps of the second scanner that wait while the first one
 /// is silent.
 constexpr std::size_t kRearWaitingMax = 50;
 

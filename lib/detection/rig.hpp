@@ -44,8 +44,8 @@ struct DetectorConfig {
   vision::EdgeConfig edges;
   static constexpr double kRocLaserMin = laser::kThreeSigmaRoc;  ///< derived: ROC_th
   double visible_fraction_min = 1.0;
-  static constexpr double kColourWeight = 0.6;  ///< physical (fuse_vision())
-  static constexpr double kLaserWeight = 0.5;   ///< physical (fuse_tree())
+  static constexpr double kColourWeight = 0.6;  ///< physical: see fuse_vision()
+  static constexpr double kLaserWeight = 0.5;   ///< physical: see fuse_tree()
   double tree_threshold = 0.6;                  ///< min roc_tree of a TREE
   Decision decision = Decision::kRoc;
   ProbabilityConfig probability;

@@ -5,7 +5,7 @@
 
 namespace orchard::geometry {
 
-inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kPi = 3.14159265358979323846;  // derived: half a turn
 
 /// Wraps an angle to (-pi, pi] [rad].
 inline double wrap_angle_rad(double angle_rad) {

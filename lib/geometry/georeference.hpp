@@ -17,7 +17,7 @@ struct Georeference {
   double residual_rms_m = 0.0;  ///< of the satellite fixes that gave the georeference
 };
 
-/// physical (a fix without RTK): above this residual the user is warned about the georeference.
+/// physical: a fix without RTK; above this residual the user is warned about the georeference.
 inline constexpr double kGeoreferenceResidualMax_m = 0.3;
 
 struct Geodetic {

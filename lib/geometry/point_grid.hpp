@@ -56,6 +56,7 @@ class PointGrid {
     std::uint64_t key = 0;
     std::int32_t head = kEmpty;  ///< kEmpty: never used; kNone: used earlier, now without points
   };
+  // derived: below any index.
   static constexpr std::int32_t kNone = -1;
   static constexpr std::int32_t kEmpty = -2;
 

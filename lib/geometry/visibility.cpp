@@ -11,7 +11,7 @@ namespace {
 
 /// physical: min distance behind a seen trunk: a nearer point is the trunk itself.
 constexpr double kBehind_m = 0.3;
-/// physical (half a trunk): border of the shadow: a trunk counts as hidden up to this far beside
+/// physical: half a trunk; border of the shadow: a trunk counts as hidden up to this far beside
 /// it.
 constexpr double kHalfTrunk_m = 0.08;
 

@@ -144,7 +144,8 @@ class CandidateFitter {
 
   /// Fits a circle of radius below width_max_m / 2; none if the fit is larger or fails.
   std::optional<CircleFit> operator()(const Candidate& candidate);
-  /// As operator(), but returns only a good fit (see tuning::kGoodFit). Starts from `near`; not cached.
+  /// As operator(), but returns only a good fit (see tuning::kGoodFit). Starts from `near`; not
+  /// cached.
   std::optional<CircleFit> good(const Candidate& candidate,
                                 const std::optional<CircleFit>& near = {},
                                 const std::optional<RadiusPrior>& prior = {});

@@ -119,6 +119,7 @@ class RangeSums {
   }
 
  private:
+  // derived: the weight is 0 at kGrazingCosine.
   static constexpr double kFromWeight =
       tuning::kGrazingCosine / (tuning::kSteepCosine - tuning::kGrazingCosine);
 

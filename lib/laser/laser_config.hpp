@@ -144,8 +144,8 @@ struct WidthConfig {
   WidthMode mode = WidthMode::kCompensated;
   double mean_m = 0.090;
   double sd_m = 0.010;
-  static constexpr double kSdFloor_m =
-      0.006;  ///< physical: lower limit of sigma; trunks are not round
+  /// physical: lower limit of sigma; trunks are not round.
+  static constexpr double kSdFloor_m = 0.006;
   double sd_per_beam_step = 0.4;
 };
 

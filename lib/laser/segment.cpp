@@ -81,7 +81,7 @@ using geometry::wrap_angle_rad;
 
 /// derived: min number of beams for a shape: a line has two parameters, a circle three.
 constexpr std::size_t kFewestBeamsOfAShape = 5;
-/// derived (95 %): a circle is rejected if it does not cover the visible beams even with a radius
+/// derived: 95 %; a circle is rejected if it does not cover the visible beams even with a radius
 /// this many standard deviations larger. Beams that miss a circle have no weight in the fit.
 constexpr double kRadius_sigma = 2.0;
 

@@ -78,6 +78,7 @@ class BestSplit {
                                            const PartEvidence& evidence);
 
  private:
+  /// derived: more than two stems of one tree are found as two.
   static constexpr std::size_t kMaxCircles = 2;
 
   /// What a part is; a trunk may lie behind the part before or after it.

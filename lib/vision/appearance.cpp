@@ -16,7 +16,7 @@
 namespace orchard::vision {
 namespace {
 
-constexpr int kChannels = 3;
+constexpr int kChannels = 3;  // derived: blue, green, red
 
 /// The source rows (or columns) covered by one row (or column) of the grid, and their weights; the
 /// first and the last may be covered partly.
@@ -122,7 +122,8 @@ std::uint16_t add(std::uint16_t sum, std::uint8_t value) {
 
 /// Mean of each channel; bit-identical to cv::mean() in a tenth of its time.
 std::array<double, 3> channel_means(const cv::Mat& pixels) {
-  // Adds sixteen pixels at a time to as many columns of sums; sums of 128 rows fit into 16 bits.
+  // derived: adds sixteen pixels at a time to as many columns of sums; sums of 128 rows fit into
+  // 16 bits.
   constexpr std::size_t kLanes = 48;
   constexpr int kRowsAtOnce = 128;
   std::array<std::uint32_t, 3> sums{};
@@ -204,14 +205,14 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
       }
     }
   }
-  constexpr auto kFloorLight = static_cast<float>(tuning::kFloor);
-  const Plane log_green = (green + kFloorLight).log();
+  const auto floor = static_cast<float>(tuning::kFloor);
+  const Plane log_green = (green + floor).log();
   Planes planes;
   // Luma (ITU-R BT.601): JPEG codes it finer than any channel, and little of it is blue, which is
   // noisy where the light has little blue. By equal weights smooth things would look like bark.
-  planes.brightness = (0.114f * blue + 0.587f * green + 0.299f * red + kFloorLight).log();
-  planes.red = (red + kFloorLight).log() - log_green;
-  planes.blue = (blue + kFloorLight).log() - log_green;
+  planes.brightness = (0.114f * blue + 0.587f * green + 0.299f * red + floor).log();
+  planes.red = (red + floor).log() - log_green;
+  planes.blue = (blue + floor).log() - log_green;
   return planes;
 }
 
@@ -255,7 +256,7 @@ double step_at(const Profile& profile, int col) {
 }
 
 Step step_about(int side, const Planes& planes, const std::array<Profile, 3>& profiles) {
-  constexpr int kReach = 2;
+  constexpr int kReach = 2;  // derived: the laser knows a side to a quarter of the window
   Step step;
   int steepest = side;
   for (int col = side - kReach; col <= side + kReach; ++col) {

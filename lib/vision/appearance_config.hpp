@@ -38,12 +38,13 @@ inline constexpr std::array kAppearanceFeatureNames{
     // window against bands: spread of the row means; 90 % and 10 % quantiles of brightness
     "rows_spread", "brights_contrast", "darks_contrast"};
 
+/// derived: their number.
 inline constexpr std::size_t kNumAppearanceFeatures = kAppearanceFeatureNames.size();
 
 /// The feature values in the order of kAppearanceFeatureNames.
 using AppearanceFeatures = std::array<double, kNumAppearanceFeatures>;
 
-/// derived (99.7 %): standardised features are clipped to this many standard deviations before they
+/// derived: 99.7 %; standardised features are clipped to this many standard deviations before they
 /// are squared.
 inline constexpr double kAppearanceSquareReach = 3.0;
 

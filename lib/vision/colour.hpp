@@ -8,7 +8,8 @@
 
 namespace orchard::vision {
 
-inline constexpr int kNumHues = 180;  ///< physical: OpenCV's 8-bit hue: steps of 2 degrees
+/// physical: OpenCV's 8-bit hue.
+inline constexpr int kNumHues = 180;
 inline constexpr double kHueStep_deg = 2.0;
 
 /// Histogram of the hues of a window's coloured pixels: those with saturation and value not below

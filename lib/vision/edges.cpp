@@ -21,7 +21,7 @@ namespace {
 
 using Row = std::vector<std::int16_t>;
 
-constexpr int kLanes = cv::v_int16x8::nlanes;
+constexpr int kLanes = cv::v_int16x8::nlanes;  // derived: of a SIMD register
 /// derived: padding columns on each side of a row, so that every pixel has neighbours.
 constexpr int kBorder_px = kLanes;
 /// derived: tan(22.5 deg) x 2^15: limit between horizontal and diagonal gradients, as in OpenCV.
@@ -118,7 +118,7 @@ bool has_weak_neighbour(const std::uint8_t* mark, std::ptrdiff_t step) {
     std::memcpy(&four, mark + offset - 1, sizeof four);
     any |= four;
   }
-  constexpr std::uint8_t kThree[] = {kWeak, kWeak, kWeak, 0};  // independent of byte order
+  constexpr std::uint8_t kThree[] = {kWeak, kWeak, kWeak, 0};  // derived: independent of byte order
   std::uint32_t three;
   std::memcpy(&three, kThree, sizeof three);
   return (any & three) != 0;
@@ -193,7 +193,7 @@ std::vector<std::uint8_t> canny(const std::uint8_t* grey, int width_px, int heig
 
 namespace {
 
-/// derived (the tolerance of a line): step between two tried slopes, in columns at the bottom row.
+/// derived: the tolerance of a line; step between two tried slopes, in columns at the bottom row.
 constexpr int kShiftStep_px = 2;
 
 struct Moments {
@@ -310,7 +310,7 @@ namespace {
 /// derived: max distance of an edge pixel from its line [px]; Canny localises an edge to one pixel.
 constexpr double kInlier_px = 1.0;
 
-constexpr double kRadPerDeg = geometry::kPi / 180.0;
+constexpr double kRadPerDeg = geometry::kPi / 180.0;  // derived: as it says
 
 /// The map's edge pixels inside the window, relative to its top left corner, row by row.
 std::vector<EdgePoint> edge_points(const EdgeMap& map, const PixelRect& window) {

@@ -12,6 +12,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/messages/message.hpp"
 #include "evaluation/trajectory/trajectory_evaluation.hpp"
+#include "experiments/json_line.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/trajectory_csv.hpp"
@@ -96,13 +97,17 @@ void judge(const test::AlteredDrive& altered, const test::Alteration& alteration
   const auto found = test::compare(trees, laid.drive.map, alteration.fraction);
   const auto alone_found = test::compare(trees, alone.drive.map, alteration.fraction);
   const auto scatter = test::tree_scatter(recording, laid.drive, trees);
-  const auto same = test::same_trees(trees, laid.drive, alone.drive);
-  std::printf("%-15s %5zu %5zu %5d %5d %6.3f %5d %6.3f   %5d %5d %6.3f %4d/%-4d %5d\n",
-              alteration.name, altered.size(), trees.size(), found.num_with(1), found.num_doubled(),
-              scatter.median_m(), num_rows(trees, laid.drive), laid.rmse_m, alone_found.num_with(1),
-              alone_found.num_doubled(), alone.rmse_m, same.num_in_both,
-              same.num_in_both + same.num_missing, same.num_extra);
-  std::fputs(test::report_of_misses(trees, found).c_str(), stdout);
+  trials::print_json({{"name", alteration.name},
+                      {"scans", altered.size()},
+                      {"clear", trees.size()},
+                      {"once", found.num_with(1)},
+                      {"twice", found.num_doubled()},
+                      {"scatter_m", scatter.median_m()},
+                      {"rows", num_rows(trees, laid.drive)},
+                      {"rmse_m", laid.rmse_m},
+                      {"once_alone", alone_found.num_with(1)},
+                      {"twice_alone", alone_found.num_doubled()},
+                      {"rmse_alone_m", alone.rmse_m}});
 }
 
 int run(const std::vector<std::string>& words) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Are thin poles with reflectors found, whatever stands close behind them? 15 poles of 70 mm in two
 // rows, a board or a bush 4 to 15 cm behind each, reflectors that bloom and flash in most
-// observations; `reflector: only` and no other key. tests/experiments/beacons.sh runs it.
+// observations; `reflector: only` and no other key. beacons SEEDS FIRST.
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <vector>
 
 #include "detection/detect.hpp"
+#include "experiments/json_line.hpp"
 #include "mapping/mapper.hpp"
 #include "simulation/sensor/laser_model.hpp"
 
@@ -120,16 +120,12 @@ Result run(std::uint64_t seed) {
 int main(int argc, char** argv) {
   const int num_seeds = argc > 1 ? std::atoi(argv[1]) : 20;
   const int first_seed = argc > 2 ? std::atoi(argv[2]) : 1;
-  int found = 0, extra = 0, worst = kNumPoles, most = 0;
   for (int seed = first_seed; seed < first_seed + num_seeds; ++seed) {
     const Result r = run(static_cast<std::uint64_t>(seed));
-    std::printf("seed %d: %d of %d within 0.05 m (RMS %.0f mm), %d extra, %d other objects\n", seed,
-                r.found, kNumPoles, 1e3 * r.rms_m, r.extra, r.objects);
-    found += r.found;
-    extra += r.extra;
-    worst = std::min(worst, r.found);
-    most = std::max(most, r.extra);
+    trials::print_json({{"seed", seed},
+                        {"found", r.found},
+                        {"rms_mm", 1e3 * r.rms_m},
+                        {"extra", r.extra},
+                        {"objects", r.objects}});
   }
-  std::printf("%d of %d, at least %d of a seed; %d extra, at most %d of a seed\n", found,
-              num_seeds * kNumPoles, worst, extra, most);
 }

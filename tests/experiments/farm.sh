@@ -13,7 +13,17 @@
 #   SLURM=no   without Slurm's part
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
-. "$(dirname "$0")/farm_start.sh"
+cd "$(dirname "$0")/../.."
+if [ -z "${FARM_INSIDE:-}" ]; then
+  FARM_INSIDE=yes exec tests/system/in_namespace.sh "$0" "$@"
+fi
+export PATH=$PATH:/usr/sbin
+orchard=${BUILD:-$PWD/build}/bin/orchard
+work=$(mktemp -d)
+slurm_pids=()
+. tests/system/farm/season.sh
+. tests/system/farm/slurm.sh
+trap '[ ${#slurm_pids[@]} = 0 ] || stop_slurm; rm -rf "$work"' EXIT
 blocks=${1:-24}
 dates=${2:-3}
 robots=${3:-2}

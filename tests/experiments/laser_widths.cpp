@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How well widths and centres are measured: the angle a trunk fills and its mean range, against a
-// circle through its arc. Exact rays, seeded noise. tests/experiments/laser_widths.sh runs it.
-#include <cstdio>
+// circle through its arc. Exact rays, seeded noise. laser_widths SEEDS FIRST.
+#include <algorithm>
 #include <cstdlib>
 
+#include "experiments/json_line.hpp"
 #include "laser/segment.hpp"
 #include "unit/laser/exact_scan.hpp"
 
@@ -14,14 +15,13 @@ using namespace orchard::laser::test;
 
 struct Sums {
   int n = 0, in95 = 0;
-  double width = 0.0, width2 = 0.0, along2 = 0.0, across2 = 0.0, z2 = 0.0, beams = 0.0;
+  double width2 = 0.0, along2 = 0.0, across2 = 0.0;
 };
 
 /// `hidden` of the trunk's width, from its left side on, stands behind a wall.
-void row(const char* name, const Scanner& scanner, double diameter_m, double range_m, double hidden,
-         int num_seeds, int first_seed) {
+void row(const std::string& name, const Scanner& scanner, double diameter_m, double range_m,
+         double hidden, int num_seeds, int first_seed) {
   Sums angle, circle;
-  int missing = 0;
   for (int seed = first_seed; seed < first_seed + num_seeds; ++seed) {
     Noise noise(static_cast<std::uint64_t>(seed));
     const double bearing_rad = 2.0 * (noise.uniform() - 0.5);
@@ -46,19 +46,14 @@ void row(const char* name, const Scanner& scanner, double diameter_m, double ran
     for (const Segment& x : segments) {
       if (x.range_m > 0.8 * range_m) found = &x;
     }
-    if (!found) {
-      ++missing;
-      continue;
-    }
+    if (!found) continue;
     const auto add = [&](Sums& sums, double x_m, double y_m, double width_m, double z2) {
       const double along_m = c * x_m + s * y_m - centre_m, across_m = c * y_m - s * x_m;
       ++sums.n;
-      sums.width += width_m - diameter_m;
       sums.width2 += (width_m - diameter_m) * (width_m - diameter_m);
       sums.along2 += along_m * along_m;
       sums.across2 += across_m * across_m;
       sums.in95 += z2 < 5.991;
-      sums.beams += found->num_beams;
     };
     const double r_m = found->range_m + 0.5 * found->width_m;
     add(angle, r_m * std::cos(found->bearing_rad), r_m * std::sin(found->bearing_rad),
@@ -71,17 +66,18 @@ void row(const char* name, const Scanner& scanner, double diameter_m, double ran
       add(circle, f.x_m, f.y_m, 2.0 * f.radius_m, z2);
     }
   }
-  const auto rms_mm = [](double sum2, int n) { return n ? 1e3 * std::sqrt(sum2 / n) : 0.0; };
-  std::printf(
-      "%-6s %4.0f %5.2f %4.0f %5.1f | %6.1f %5.1f %5.1f %5.1f | %6.1f %5.1f %5.1f %5.1f %5.1f "
-      "%4.0f%%\n",
-      name, 1e3 * diameter_m, range_m, 100 * hidden, angle.beams / std::max(angle.n, 1),
-      1e3 * angle.width / std::max(angle.n, 1), rms_mm(angle.width2, angle.n),
-      rms_mm(angle.along2, angle.n), rms_mm(angle.across2, angle.n),
-      1e3 * circle.width / std::max(circle.n, 1), rms_mm(circle.width2, circle.n),
-      rms_mm(circle.along2, circle.n), rms_mm(circle.across2, circle.n),
-      100.0 * circle.in95 / std::max(circle.n, 1), 100.0 * circle.n / num_seeds);
-  (void)missing;
+  const auto rms_mm = [](double sum2, int n) { return 1e3 * std::sqrt(sum2 / std::max(n, 1)); };
+  orchard::trials::print_json({{"scanner", name},
+                               {"diameter_m", diameter_m},
+                               {"range_m", range_m},
+                               {"hidden", hidden},
+                               {"angle_width_mm", rms_mm(angle.width2, angle.n)},
+                               {"angle_across_mm", rms_mm(angle.across2, angle.n)},
+                               {"circle_width_mm", rms_mm(circle.width2, circle.n)},
+                               {"circle_along_mm", rms_mm(circle.along2, circle.n)},
+                               {"circle_across_mm", rms_mm(circle.across2, circle.n)},
+                               {"in_95", 1.0 * circle.in95 / std::max(circle.n, 1)},
+                               {"circle_fitted", 1.0 * circle.n / num_seeds}});
 }
 
 }  // namespace
@@ -89,12 +85,6 @@ void row(const char* name, const Scanner& scanner, double diameter_m, double ran
 int main(int argc, char** argv) {
   const int num_seeds = argc > 1 ? std::atoi(argv[1]) : 400;
   const int first_seed = argc > 2 ? std::atoi(argv[2]) : 5001;
-  std::printf(
-      "                            | angle and mean range      | circle\n"
-      "       width range hid beams | w bias  w rms along acr   | w bias w rms along  acr  in95 "
-      "fitted\n"
-      "          mm     m   %%       |     mm    mm    mm    mm |     mm    mm    mm    mm     "
-      "%%\n");
   const struct {
     const char* name;
     Scanner scanner;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does finding rows depend on chance? Rows of perturbed maps and of random blocks amid clutter. See
-// row_trials.sh.
+// Does finding rows depend on chance? Rows of perturbed maps (every tree displaced by its standard
+// error and 3 cm, its observations Poisson-distributed) and of random blocks amid clutter.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/json_line.hpp"
 #include "geometry/statistics.hpp"
 #include "io/map/map_csv.hpp"
 #include "mapping/rows/rows.hpp"
@@ -86,17 +86,16 @@ double distance_m(const std::vector<Vector2d>& a, const std::vector<Vector2d>& b
 }
 
 struct Tally {
-  int num = 0, right = 0, fewer = 0, more = 0, bent = 0, apart = 0, short_of_8 = 0, numbered = 0;
+  int num = 0, right = 0, fewer = 0, more = 0, bent = 0, apart = 0, numbered = 0;
 };
 
 void judge(const std::vector<Row>& rows, int num_rows, double pitch_m, Tally& tally) {
   ++tally.num;
-  bool is_bent = false, is_apart = false, is_short = false;
+  bool is_bent = false, is_apart = false;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const std::vector<Vector2d> trees = trees_of(rows[r]);
     tally.numbered += static_cast<int>(trees.size());
     is_bent = is_bent || sharpest_turn_rad(trees) > 0.5;
-    is_short = is_short || trees.size() < 8;
     if (r > 0) {
       const double m = distance_m(trees, trees_of(rows[r - 1]));
       is_apart = is_apart || std::abs(m - pitch_m) > 0.2 * pitch_m;
@@ -107,7 +106,6 @@ void judge(const std::vector<Row>& rows, int num_rows, double pitch_m, Tally& ta
   tally.more += found > num_rows;
   tally.bent += is_bent;
   tally.apart += found == num_rows && is_apart;
-  tally.short_of_8 += is_short;
   tally.right += found == num_rows && !is_bent && !is_apart;
 }
 
@@ -117,11 +115,13 @@ int run_map(const std::string& path, int num_rows, double pitch_m, std::uint64_t
   for (std::uint64_t seed = 1; seed <= num_seeds; ++seed) {
     judge(find_rows(perturbed(landmarks, seed), {}), num_rows, pitch_m, t);
   }
-  std::printf(
-      "%4d of %4d right; %d with fewer rows, %d with more, %d bent, %d with another row distance; "
-      "%d with a row of fewer than 8 trees; %.1f trees with a number\n",
-      t.right, t.num, t.fewer, t.more, t.bent, t.apart, t.short_of_8,
-      static_cast<double>(t.numbered) / t.num);
+  orchard::trials::print_json({{"right", t.right},
+                               {"num", t.num},
+                               {"fewer", t.fewer},
+                               {"more", t.more},
+                               {"bent", t.bent},
+                               {"apart", t.apart},
+                               {"numbered", static_cast<double>(t.numbered) / t.num}});
   return 0;
 }
 
@@ -166,12 +166,13 @@ int run_planted(std::uint64_t first, std::uint64_t last) {
     num_joined += joined;
     num_clutter += static_cast<int>(block.landmarks.size() - block.numbers.size());
   }
-  std::printf(
-      "%d of %d blocks with the planted rows; %d with fewer, %d with more, %d with trees of two "
-      "rows "
-      "in one; trees in their row %.4f; clutter in rows %d of %d\n",
-      num_right, static_cast<int>(last - first + 1), num_fewer, num_more, num_mixed,
-      static_cast<double>(num_same) / num_trees, num_joined, num_clutter);
+  orchard::trials::print_json({{"right", num_right},
+                               {"num", last - first + 1},
+                               {"fewer", num_fewer},
+                               {"more", num_more},
+                               {"mixed", num_mixed},
+                               {"in_their_row", static_cast<double>(num_same) / num_trees},
+                               {"clutter", static_cast<double>(num_joined) / num_clutter}});
   return 0;
 }
 

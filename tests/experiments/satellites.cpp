@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For people: tests/experiments/satellites.sh. What a receiver that comes in bursts makes of the
-// path, seed by seed: mode fused run here, or a path that was made elsewhere (trajectory.csv); and
-// beside it what an estimator would reach that knows the true noise (satellites_bound.hpp).
+// What a receiver that comes in bursts makes of the path, seed by seed: mode fused. Errors outside
+// of gaps, and in each as a fraction of the way driven in it.
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <fstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
 
-#include "experiments/satellites_bound.hpp"
+#include "experiments/json_line.hpp"
 #include "geometry/pose2.hpp"
 #include "io/config/config.hpp"
 #include "pose/filter/fusion.hpp"
@@ -93,23 +89,7 @@ Judged judge(const std::vector<PathPoint>& path, const std::vector<Gap>& gaps,
   return judged;
 }
 
-std::vector<PathPoint> read_path(const std::string& file) {
-  std::ifstream in(file);
-  std::vector<PathPoint> path;
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    long long utime = 0;
-    double x_m = 0.0, y_m = 0.0;
-    if (std::sscanf(line.c_str(), "%lld,%lf,%lf", &utime, &x_m, &y_m) == 3) {
-      path.push_back({seconds(utime), x_m, y_m});
-    }
-  }
-  return path;
-}
-
-void run(const io::Config& config, simulation::SceneKind kind, unsigned long seed,
-         const std::string& path_file) {
+void run(const io::Config& config, simulation::SceneKind kind, unsigned long seed) {
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
                                   config.laser_rear};
   simulation::Simulator simulator(kind, seed, rig);
@@ -118,8 +98,6 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   const auto& datum = config.simulation.motion.datum;
   const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
   std::vector<PathPoint> live, smooth;
-  std::vector<pose::Odometry> motion;
-  std::vector<PlacedFix> direct_fixes;  // not reflected
   std::vector<Gap> gaps;
   double last_fix_s = 0.0, left_out_since_s = -1.0, left_out_most_s = 0.0;
   int num_fixes = 0, num_good_left_out = 0;
@@ -144,8 +122,7 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   };
   while (const auto message = simulator.next()) {
     if (const auto* odometry = std::get_if<pose::Odometry>(&*message)) {
-      motion.push_back(*odometry);
-      if (path_file.empty()) localiser.add(pose::Measurement(*odometry));
+      localiser.add(pose::Measurement(*odometry));
     } else if (const auto* gnss = std::get_if<pose::Gnss>(&*message)) {
       const double now_s = seconds(gnss->utime);
       const simulation::Pose2 truth = simulator.scene().path.pose_at(now_s);
@@ -154,8 +131,6 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
       ++num_fixes;
       double x_m = 0.0, y_m = 0.0, z_m = 0.0;
       enu.Forward(gnss->latitude_deg, gnss->longitude_deg, gnss->altitude_m, x_m, y_m, z_m);
-      if (!sky.is_reflected(now_s)) direct_fixes.push_back({now_s, {x_m, y_m}});
-      if (!path_file.empty()) continue;
       localiser.add(pose::Measurement(*gnss));
       const auto& antenna = config.simulation.gnss.antenna_m;
       const simulation::Pose2 at = compose(truth, {antenna[0], antenna[1], 0.0});
@@ -171,11 +146,10 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
         left_out_most_s = std::max(left_out_most_s, now_s - left_out_since_s);
       }
     } else if (const auto* imu = std::get_if<pose::Imu>(&*message)) {
-      if (path_file.empty()) localiser.add(pose::Measurement(*imu));
+      localiser.add(pose::Measurement(*imu));
     } else {
       continue;
     }
-    if (!path_file.empty()) continue;
     take_correction();
     if (const auto estimate = localiser.estimate()) {
       const double time_s = seconds(estimate->utime);
@@ -186,51 +160,30 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
     }
   }
   add_gap(simulator.scene().path.duration_s() + 1.0);
-  if (path_file.empty()) {
-    localiser.finish();
-    take_correction();
-  } else {
-    smooth = read_path(path_file);
-  }
+  localiser.finish();
+  take_correction();
   const Judged now = judge(live, gaps, simulator.scene());
   const Judged then = judge(smooth, gaps, simulator.scene());
-  std::vector<PathPoint> bound_live, bound;
-  double nees_bound = 0.0;
-  const std::vector<BoundPose> path_bound =
-      bound_of(config, simulator.scene().path, motion, direct_fixes);
-  for (const BoundPose& pose : path_bound) {
-    bound_live.push_back({pose.time_s, pose.told_m.x(), pose.told_m.y()});
-    bound.push_back({pose.time_s, pose.p_map_m.x(), pose.p_map_m.y()});
-    const simulation::Pose2 truth = simulator.scene().path.pose_at(pose.time_s);
-    const Eigen::Vector2d e = pose.p_map_m - Eigen::Vector2d(truth.x_m, truth.y_m);
-    nees_bound = e.dot(pose.covariance.inverse() * e);
-  }
-  const Judged best_now = judge(bound_live, gaps, simulator.scene());
-  const Judged best = judge(bound, gaps, simulator.scene());
-  const Eigen::Vector3d off = map_bound_of(config, simulator.scene().path, direct_fixes);
-  std::vector<PathPoint> as_a_map;
-  for (const BoundPose& pose : path_bound) {
-    const simulation::Pose2 truth = simulator.scene().path.pose_at(pose.time_s);
-    const Eigen::Vector2d p = geometry::transform(off, Eigen::Vector2d(truth.x_m, truth.y_m));
-    as_a_map.push_back({pose.time_s, p.x(), p.y()});
-  }
-  const Judged best_map = judge(as_a_map, gaps, simulator.scene());
-  std::printf(
-      "%4lu %5d %3zu  %7.3f %7.3f %7.3f  %7.3f %7.3f %7.3f  %5.2f %3d  %4d %5.1f  %6.2f %6.2f  "
-      "%6.2f %6.2f %5.2f %3d %6.2f  %5.2f  %s\n",
-      seed, num_fixes, gaps.size(), now.outside.rms_m(), now.outside.most_m, now.inside.rms_m(),
-      then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.fraction_worst,
-      then.num_fractions_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
-      best_now.outside.rms_m(), best.outside.rms_m(), 100.0 * best.fraction_worst,
-      best.num_fractions_good, nees_bound, best_map.outside.rms_m(), localiser.warning().c_str());
-  std::fflush(stdout);
+  trials::print_json({{"seed", seed},
+                      {"fixes", num_fixes},
+                      {"gaps", gaps.size()},
+                      {"told_m", now.outside.rms_m()},
+                      {"told_most_m", now.outside.most_m},
+                      {"smoothed_m", then.outside.rms_m()},
+                      {"smoothed_most_m", then.outside.most_m},
+                      {"worst_gap", then.fraction_worst},
+                      {"gaps_good", then.num_fractions_good},
+                      {"good_left_out", num_good_left_out},
+                      {"left_out_s", left_out_most_s},
+                      {"nees_told", nees_live},
+                      {"nees_smoothed", nees_smooth}});
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    std::fprintf(stderr, "usage: satellites RIG SCENE FIRST LAST [TRAJECTORY.CSV]\n");
+  if (argc != 5) {
+    std::fprintf(stderr, "usage: satellites RIG SCENE FIRST LAST\n");
     return 2;
   }
   try {
@@ -238,14 +191,9 @@ int main(int argc, char** argv) {
     config.simulation.scanner.rate_hz = 0.0;  // mode fused uses no scans
     const auto kind = simulation::find_scene(argv[2]);
     if (!kind) return 2;
-    std::printf(
-        "%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s  %6s %6s %5s %3s %6s  "
-        "%5s\n",
-        "seed", "fixes", "gap", "now", "most", "in gap", "then", "most", "in gap", "way%", "<1%",
-        "good", "s", "NEES", "then", "bound", "then", "way%", "<1%", "NEES", "map");
     for (unsigned long seed = std::strtoul(argv[3], nullptr, 10);
          seed <= std::strtoul(argv[4], nullptr, 10); ++seed) {
-      run(config, *kind, seed, argc > 5 ? argv[5] : "");
+      run(config, *kind, seed);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

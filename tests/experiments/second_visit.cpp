@@ -4,11 +4,11 @@
 // is how the two maps, made each for itself, lie upon each other.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <map>
 #include <string>
 
+#include "experiments/json_line.hpp"
 #include "io/map/stored_map.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "io/recording/recording_folder.hpp"
@@ -42,75 +42,65 @@ std::map<std::int32_t, Landmark> clear_landmarks(const std::vector<test::ClearTr
   return result;
 }
 
-void report_claims(const io::StoredMap& a, const io::StoredMap& b,
-                   const mapping::MapComparison& comparison,
-                   const std::map<std::int32_t, Landmark>& clear) {
-  int num = 0, num_confident = 0, num_at_clear = 0;
+struct Visit {
+  int num_claims = 0, num_confident = 0, num_at_clear = 0, num_both = 0, num_id = 0, num_number = 0,
+      num_gaps = 0;
+  double first_m = -1.0, travel_m = 0.0, rmse_m = 0.0, worst_m = 0.0;
+};
+
+void count_claims(const io::StoredMap& a, const mapping::MapComparison& comparison,
+                  const std::map<std::int32_t, Landmark>& clear, Visit& visit) {
   for (const mapping::MapChange& c : comparison.changes) {
     if (c.change == Change::kUnchanged || c.change == Change::kNotSeen) continue;
-    ++num;
-    num_confident += c.confidence >= kConfident;
-    num_at_clear += std::any_of(clear.begin(), clear.end(), [&](const auto& tree) {
+    ++visit.num_claims;
+    visit.num_confident += c.confidence >= kConfident;
+    visit.num_at_clear += std::any_of(clear.begin(), clear.end(), [&](const auto& tree) {
       const Vector2d p = c.a >= 0 ? place_of(a.landmarks[static_cast<std::size_t>(c.a)]) : c.p_a;
       return (p - place_of(tree.second)).norm() < kSame_m;
     });
   }
-  std::printf(
-      "compare: %zu and %zu landmarks, %d changes claimed, %d at %.1f or above, %d at %zu "
-      "clear trees\n",
-      a.landmarks.size(), b.landmarks.size(), num, num_confident, kConfident, num_at_clear,
-      clear.size());
 }
 
-void report_kept(const io::StoredMap& b, const std::vector<Landmark>& kept,
-                 const geometry::Pose2& T_a_b, const std::map<std::int32_t, Landmark>& clear) {
-  int num_both = 0, num_id = 0, num_number = 0;
+void count_kept(const io::StoredMap& b, const std::vector<Landmark>& kept,
+                const geometry::Pose2& T_a_b, const std::map<std::int32_t, Landmark>& clear,
+                Visit& visit) {
   for (const auto& [id, tree] : clear) {
     const auto is_here = [&, p = place_of(tree)](const Landmark& l) {
       return (transform(T_a_b, place_of(l)) - p).norm() < kSame_m;
     };
     if (std::none_of(b.landmarks.begin(), b.landmarks.end(), is_here)) continue;
-    ++num_both;
+    ++visit.num_both;
     const auto found =
         std::find_if(kept.begin(), kept.end(), [id = id](const Landmark& l) { return l.id == id; });
     if (found == kept.end() || !is_here(*found)) continue;
-    ++num_id;
+    ++visit.num_id;
     const bool had_none = tree.row == 0;
-    num_number += had_none || (found->row == tree.row && found->position == tree.position);
+    visit.num_number += had_none || (found->row == tree.row && found->position == tree.position);
   }
-  std::printf(
-      "--previous: %d clear trees in both maps, %d with their id, %d with the row and number they "
-      "had\n",
-      num_both, num_id, num_number);
 }
 
-void report_placed(const io::StoredMap& b, const std::vector<pose::PoseEstimate>& placed,
-                   const geometry::Pose2& T_a_b) {
+void judge_placed(const io::StoredMap& b, const std::vector<pose::PoseEstimate>& placed,
+                  const geometry::Pose2& T_a_b, Visit& visit) {
   std::map<std::int64_t, Vector2d> by_time;
   for (const pose::PoseEstimate& p : placed) by_time[p.utime] = {p.x_m, p.y_m};
-  double travel_m = 0.0, first_m = -1.0, sum_m2 = 0.0, worst_m = 0.0;
-  int num = 0, num_gaps = 0;
+  double sum_m2 = 0.0;
+  int num = 0;
   bool was_placed = false;
   const std::vector<pose::PoseEstimate>& path = b.trajectories.at(0);
   for (std::size_t k = 0; k < path.size(); ++k) {
     const Vector2d p(path[k].x_m, path[k].y_m);
-    if (k > 0) travel_m += (p - Vector2d(path[k - 1].x_m, path[k - 1].y_m)).norm();
+    if (k > 0) visit.travel_m += (p - Vector2d(path[k - 1].x_m, path[k - 1].y_m)).norm();
     const auto found = by_time.find(path[k].utime);
-    num_gaps += was_placed && found == by_time.end();
+    visit.num_gaps += was_placed && found == by_time.end();
     was_placed = found != by_time.end();
     if (!was_placed) continue;
-    if (first_m < 0.0) first_m = travel_m;
+    if (visit.first_m < 0.0) visit.first_m = visit.travel_m;
     const double error_m = (found->second - transform(T_a_b, p)).norm();
     sum_m2 += error_m * error_m;
-    worst_m = std::max(worst_m, error_m);
+    visit.worst_m = std::max(visit.worst_m, error_m);
     ++num;
   }
-  if (num == 0) {
-    std::printf("prior_map: never placed in %.1f m\n", travel_m);
-    return;
-  }
-  std::printf("prior_map: placed at %.1f m of %.1f, RMSE %.3f m, worst %.2f m, lost %d times\n",
-              first_m, travel_m, std::sqrt(sum_m2 / num), worst_m, num_gaps);
+  visit.rmse_m = num > 0 ? std::sqrt(sum_m2 / num) : -1.0;
 }
 
 }  // namespace
@@ -134,12 +124,23 @@ int main(int argc, char** argv) {
     }
     const auto trees = test::find_clear_trees(io::read_recording_folder(argv[1]));
     const auto clear = clear_landmarks(trees, a.landmarks);
-    report_claims(a, b,
-                  mapping::compare_maps(a.landmarks, b.landmarks, view_a, view_b, alignment, {}),
-                  clear);
-    report_kept(b, io::read_stored_map(argv[4]).landmarks, alignment.T_a_b, clear);
-    report_placed(b, io::read_trajectory_csv(std::string(argv[5]) + "/trajectory.csv"),
-                  alignment.T_a_b);
+    Visit visit;
+    count_claims(a, mapping::compare_maps(a.landmarks, b.landmarks, view_a, view_b, alignment, {}),
+                 clear, visit);
+    count_kept(b, io::read_stored_map(argv[4]).landmarks, alignment.T_a_b, clear, visit);
+    judge_placed(b, io::read_trajectory_csv(std::string(argv[5]) + "/trajectory.csv"),
+                 alignment.T_a_b, visit);
+    trials::print_json({{"claims", visit.num_claims},
+                        {"confident", visit.num_confident},
+                        {"at_clear", visit.num_at_clear},
+                        {"in_both", visit.num_both},
+                        {"with_id", visit.num_id},
+                        {"with_number", visit.num_number},
+                        {"placed_after_m", visit.first_m},
+                        {"travel_m", visit.travel_m},
+                        {"rmse_m", visit.rmse_m},
+                        {"worst_m", visit.worst_m},
+                        {"lost", visit.num_gaps}});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "second_visit: %s\n", error.what());
     return 3;

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SLAM on trunks over many seeds without ray casting: what wheels with memory and a scanner say in
 // scene park, or in rows that are left, lost by some metres and entered again.
-//   slam_trials park|rows FIRST LAST [TRACE_PREFIX]
-// A trace ends with the landmarks that are two trees and the trees that are two landmarks.
+//   slam_trials park|rows FIRST LAST
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
+#include "experiments/json_line.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
@@ -204,32 +202,7 @@ struct Result {
   int closures_again = 0;
 };
 
-/// Traces when a landmark was observed, and where those observations lie in truth.
-void describe(FILE* trace, const pose::SlamGraph& graph, const World& world, int landmark) {
-  const pose::SlamLandmark& l = graph.landmarks[static_cast<std::size_t>(landmark)];
-  std::fprintf(trace, "  landmark %d at %.2f %.2f, width %.3f m +- %.3f, %zu keyframes\n", landmark,
-               l.p_map.x(), l.p_map.y(), l.width_m, l.width_sd_m(), l.keyframes.size());
-  int before = -100;
-  for (const int k : l.keyframes) {
-    const pose::Keyframe& keyframe = graph.keyframes[static_cast<std::size_t>(k)];
-    const double t_s = static_cast<double>(keyframe.utime - kStart) * 1e-6;
-    const Eigen::Vector3d T = vector_of(world.path.pose_at(t_s));
-    for (const pose::SlamObservation& o : keyframe.observations) {
-      if (o.landmark != landmark) continue;
-      const Eigen::Vector2d p = geometry::transform(T, o.position());
-      const Eigen::Vector2d off =
-          geometry::inverse_transform(keyframe.T_map_base, l.p_map) - o.position();
-      const double sd_m = std::sqrt(keyframe.local_covariance.topLeftCorner<2, 2>().trace());
-      const char* gap = k > before + 20 ? "|" : " ";
-      std::fprintf(trace,
-                   "   %s k %d t %.1f truth %.2f %.2f residual %.2f local sd %.3f in view %zu\n",
-                   gap, k, t_s, p.x(), p.y(), off.norm(), sd_m, keyframe.observations.size());
-    }
-    before = k;
-  }
-}
-
-Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
+Result drive(const World& world, std::uint64_t seed) {
   pose::SlamConfig config;
   pose::TrunkSlam slam(config);
   slam.set_default_noise(0.03, 0.02);
@@ -238,9 +211,6 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
   const simulation::WheelErrorModel memory(seed, world.wheels, world.path.duration_s());
   const double duration_s = world.path.duration_s();
   Result result;
-  FILE* trace = dump.empty() ? nullptr : std::fopen(dump.c_str(), "w");
-  int closures = 0;
-  double before_m = 0.0;
   for (int step = 0; step * kOdometryPeriod_s < duration_s; ++step) {
     const double t_s = step * kOdometryPeriod_s;
     const auto utime = kStart + static_cast<std::int64_t>(std::llround(t_s * 1e6));
@@ -261,25 +231,9 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
     const auto estimate = slam.estimate();
     if (!estimate) continue;
     const double error_m = std::hypot(estimate->x_m - pose.x_m, estimate->y_m - pose.y_m);
-    if (slam.num_closures() != closures) {
-      closures = slam.num_closures();
-      if (trace)
-        std::fprintf(trace, "# closure at %.1f s: error %.2f -> %.2f m\n", t_s, before_m, error_m);
-    }
-    before_m = error_m;
     if (t_s < world.again_s) {
       result.drift_m = error_m;
       result.closures_again = -slam.num_closures();
-    }
-    if (trace && step % 250 == 0) {
-      std::fprintf(trace,
-                   "%7.1f error %7.3f sd %7.3f %7.3f yaw %8.4f sd %8.4f landmarks %zu closures %d "
-                   "refuted %d %s\n",
-                   t_s, error_m, std::sqrt(estimate->covariance[0]),
-                   std::sqrt(estimate->covariance[3]),
-                   geometry::wrap_angle_rad(estimate->yaw_rad - pose.yaw_rad),
-                   std::sqrt(estimate->covariance[5]), slam.graph().landmarks.size(),
-                   slam.num_closures(), slam.num_refuted_closures(), warning.c_str());
     }
   }
   slam.finish();
@@ -312,7 +266,6 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
   result.mops = static_cast<double>(slam.num_operations()) * 1e-6;
   // trees that are more than one landmark
   std::vector<int> times(world.trees.size(), 0);
-  std::vector<std::vector<int>> mapped(world.trees.size());
   for (std::size_t i = 0; i < slam.graph().landmarks.size(); ++i) {
     const pose::SlamLandmark& l = slam.graph().landmarks[i];
     if (!l.alive || !l.confirmed) continue;
@@ -324,7 +277,6 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
     }
     if ((world.trees[nearest].p_map - p).norm() > 1.5) continue;
     ++times[nearest];
-    mapped[nearest].push_back(static_cast<int>(i));
   }
   // landmarks that are more than one tree: what was observed of them lies apart in truth
   std::vector<std::vector<Eigen::Vector2d>> places(slam.graph().landmarks.size());
@@ -335,27 +287,12 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
       places[static_cast<std::size_t>(o.landmark)].push_back(geometry::transform(T, o.position()));
     }
   }
-  std::vector<int> mixed;
-  for (std::size_t l = 0; l < places.size(); ++l) {
-    const std::vector<Eigen::Vector2d>& seen = places[l];
+  for (const std::vector<Eigen::Vector2d>& seen : places) {
     int far = 0;
     for (const Eigen::Vector2d& p : seen) far += (p - seen[0]).norm() > 1.2;
-    if (far > 2) mixed.push_back(static_cast<int>(l));
-  }
-  result.mixed = static_cast<int>(mixed.size());
-  if (trace) {
-    for (const int l : mixed) {
-      std::fprintf(trace, "mixed landmark %d\n", l);
-      describe(trace, slam.graph(), world, l);
-    }
-    for (std::size_t t = 0; t < mapped.size(); ++t) {
-      if (mapped[t].size() < 2) continue;
-      std::fprintf(trace, "tree %zu twice, width %.3f m\n", t, world.trees[t].width_m);
-      for (const int l : mapped[t]) describe(trace, slam.graph(), world, l);
-    }
+    result.mixed += far > 2;
   }
   for (const int n : times) result.twice += std::max(0, n - 1);
-  if (trace) std::fclose(trace);
   return result;
 }
 
@@ -364,24 +301,29 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
 
 int main(int argc, char** argv) {
   using namespace orchard;
-  if (argc < 4) {
-    std::fprintf(stderr, "slam_trials park|rows FIRST LAST [TRACE_PREFIX]\n");
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: slam_trials park|rows FIRST LAST\n");
     return 2;
   }
-  const std::string scene = argv[1];
-  std::printf("%4s %8s %8s %8s %8s %8s %5s %5s %5s %5s %5s %5s %8s %8s %5s\n", "seed", "rmse_m",
-              "end_m", "sd_m", "nees", "mixed", "close", "refut", "twice", "landm", "lost%",
-              "ambi%", "Mops", "drift_m", "again");
-  for (int seed = std::atoi(argv[2]); seed <= std::atoi(argv[3]); ++seed) {
-    const auto s = static_cast<std::uint64_t>(seed);
-    const World world = scene == "park" ? park(s) : rows(s);
-    const std::string dump = argc > 4 ? argv[4] + std::to_string(seed) : std::string();
-    const Result r = drive(world, s, dump);
-    std::printf("%4d %8.3f %8.3f %8.3f %8.2f %8d %5d %5d %5d %5d %5.1f %5.1f %8.1f %8.2f %5d\n",
-                seed, r.rmse_m, r.end_m, r.sd_m, r.nees, r.mixed, r.closures, r.refuted, r.twice,
-                r.landmarks, 100.0 * r.lost / r.scans, 100.0 * r.ambiguous / r.scans, r.mops,
-                r.drift_m, r.closures_again);
-    std::fflush(stdout);
+  const std::uint64_t last = std::strtoull(argv[3], nullptr, 10);
+  for (std::uint64_t seed = std::strtoull(argv[2], nullptr, 10); seed <= last; ++seed) {
+    const World world = std::string(argv[1]) == "park" ? park(seed) : rows(seed);
+    const Result r = drive(world, seed);
+    trials::print_json({{"seed", seed},
+                        {"rmse_m", r.rmse_m},
+                        {"end_m", r.end_m},
+                        {"sd_m", r.sd_m},
+                        {"nees", r.nees},
+                        {"mixed", r.mixed},
+                        {"closures", r.closures},
+                        {"refuted", r.refuted},
+                        {"twice", r.twice},
+                        {"landmarks", r.landmarks},
+                        {"lost", 1.0 * r.lost / r.scans},
+                        {"ambiguous", 1.0 * r.ambiguous / r.scans},
+                        {"mops", r.mops},
+                        {"drift_m", r.drift_m},
+                        {"closures_again", r.closures_again}});
   }
   return 0;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How well the map knows the width of thin and thick trunks, near and far, through beams that are
 // spots: bias, spread, the Cramer-Rao bound of counting beams, and what width_sd_m is worth.
-// tests/experiments/thin_widths.sh runs it.
+// thin_widths TRUNKS FIRST.
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 #include "detection/detect.hpp"
+#include "experiments/json_line.hpp"
 #include "mapping/landmark_record.hpp"
 #include "simulation/sensor/laser_model.hpp"
 
@@ -89,18 +89,12 @@ bool trunk(double diameter_m, double range_m, const simulation::ScannerConfig& s
 int main(int argc, char** argv) {
   const int num_trunks = argc > 1 ? std::atoi(argv[1]) : 100;
   const int first_seed = argc > 2 ? std::atoi(argv[2]) : 1;
-  std::printf(
-      "scanner  spot mm        behind  width mm  range m  bias %%  sd mm  bound mm  sd/bound  NEES "
-      " as a line: bias %%\n");
   struct Kind {
-    const char* name;
     double step_rad, beam_sd_m, spot_m, spot_rad;
   };
-  for (const Kind& kind : {Kind{"0.25 deg", 0.0043633, 0.008, 0.0, 0.0},
-                           Kind{"0.25 deg", 0.0043633, 0.008, 0.005, 0.0},
-                           Kind{"0.25 deg", 0.0043633, 0.008, 0.015, 0.0},
-                           Kind{"0.25 deg", 0.0043633, 0.008, 0.004, 0.004},
-                           Kind{"0.35 deg", 0.0061359, 0.003, 0.008, 0.002}}) {
+  for (const Kind& kind : {Kind{0.0043633, 0.008, 0.0, 0.0}, Kind{0.0043633, 0.008, 0.005, 0.0},
+                           Kind{0.0043633, 0.008, 0.015, 0.0}, Kind{0.0043633, 0.008, 0.004, 0.004},
+                           Kind{0.0061359, 0.003, 0.008, 0.002}}) {
     for (const bool wall : {false, true}) {
       for (const double diameter_m : {0.05, 0.07, 0.125, 0.25, 0.4}) {
         for (const double range_m : {0.6, 1.5, 3.0, 5.0, 8.5}) {
@@ -142,12 +136,17 @@ int main(int argc, char** argv) {
           const double n = known.num, bias_m = known.bias_m / n;
           const double sd_m = std::sqrt(std::max(0.0, known.rms_m / n - bias_m * bias_m));
           const double bound_m = std::sqrt(known.bound_m2 / n);
-          std::printf(
-              "%s  %4.0f+%.0f/m  %10s  %8.0f  %7.1f  %6.1f  %5.2f  %8.2f  %8.2f  %4.1f  %6.1f\n",
-              kind.name, 1e3 * kind.spot_m, 1e3 * kind.spot_rad, wall ? "mixed" : "open",
-              1e3 * diameter_m, range_m, 100.0 * bias_m / diameter_m, 1e3 * sd_m, 1e3 * bound_m,
-              sd_m / bound_m, known.nees / n,
-              100.0 * line.bias_m / std::max(1, line.num) / diameter_m);
+          trials::print_json(
+              {{"step_rad", kind.step_rad},
+               {"spot_m", kind.spot_m},
+               {"spot_rad", kind.spot_rad},
+               {"wall", wall},
+               {"diameter_m", diameter_m},
+               {"range_m", range_m},
+               {"bias_fraction", bias_m / diameter_m},
+               {"sd_over_bound", sd_m / bound_m},
+               {"nees", known.nees / n},
+               {"line_bias_fraction", line.bias_m / std::max(1, line.num) / diameter_m}});
         }
       }
     }

@@ -1,7 +1,13 @@
+#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes the measurements of tests/experiments/field.sh; the functions of the measure_ files, by name."""
+"""Measures what goes wrong in the field, on hosts that are network namespaces joined by a bridge: a bad link,
+killed processes, a full disk, hostile packets, clocks, strangers, two machines, a day. Prints a line for
+each result; exits 1 when one misses what is wanted, 77 where namespaces are not allowed. Needs root and a
+build with tests. A machine that does nothing else is wanted for the times."""
 import argparse
+import json
 import os
+import subprocess
 import sys
 import time
 import traceback
@@ -17,9 +23,10 @@ import measure_link
 import measure_live
 import measure_strangers
 import measure_two_machines
-import table
 import wire
 from programs import Bench
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 MEASUREMENTS = {
     function.__name__: function for function in (
@@ -36,18 +43,23 @@ MEASUREMENTS = {
 
 
 def parse():
-    parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("names", nargs="*")
-    parser.add_argument("--build", default="build")
-    parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--speed", type=float, default=2.0)
-    parser.add_argument("--hours", type=float, default=24.0)
-    parser.add_argument("--num", type=int, default=0)
-    parser.add_argument("--short", action="store_true")
-    parser.add_argument("--write", action="store_true")
-    parser.add_argument("--out", default="out/field")
-    parser.add_argument("--list", action="store_true")
+    parser = argparse.ArgumentParser(prog="field.py", description=__doc__)
+    parser.add_argument("names", nargs="*", help="measurements (default: all)")
+    parser.add_argument("--list", action="store_true", help="names and what they measure")
+    parser.add_argument("--build", default=os.path.join(ROOT, "build"), help="build folder (default build)")
+    parser.add_argument("--seed", type=int, default=7, help="of the drive and of everything that is drawn (7)")
+    parser.add_argument("--speed", type=float, default=2.0, help="of replays over a link, in times real time (2)")
+    parser.add_argument("--num", type=int, default=0, help="kills, packets (default: what the result was asked for)")
+    parser.add_argument("--hours", type=float, default=24.0, help="of the day (24)")
+    parser.add_argument("--out", default=os.path.join(ROOT, "out/field"), help="where it writes (default out/field)")
+    parser.add_argument("--short", action="store_true", help="seconds instead of minutes, as in ctest")
+    parser.add_argument("--json", metavar="FILE", help="write the lines there, too")
     return parser.parse_args()
+
+
+def has_namespaces():
+    return os.geteuid() == 0 and subprocess.run(["unshare", "-n", "-u", "true"], stderr=subprocess.DEVNULL,
+                                                check=False).returncode == 0
 
 
 def main():
@@ -58,15 +70,20 @@ def main():
         return 0
     unknown = [name for name in arguments.names if name not in MEASUREMENTS]
     if unknown:
-        print(f"field: no measurement {unknown[0]}; see field.sh --list", file=sys.stderr)
+        print(f"field: no measurement {unknown[0]}; see field.py --list", file=sys.stderr)
         return 2
-    build = os.path.abspath(arguments.build)
+    if not has_namespaces():
+        print("field: skipped: needs root and network namespaces", file=sys.stderr)
+        return 77
+    build, out = os.path.abspath(arguments.build), os.path.abspath(arguments.out)
+    os.chdir(ROOT)
+    all_rows = []
     wire.load_types(build)
     failed = False
     names = arguments.names or list(MEASUREMENTS)
     for number, name in enumerate(names):
         print(f"field: {name} ({number + 1} of {len(names)}) ...", file=sys.stderr, flush=True)
-        bench = Bench(build, os.path.abspath(os.path.join(arguments.out, name)))
+        bench = Bench(build, os.path.join(out, name))
         begin = time.monotonic()
         try:
             rows = MEASUREMENTS[name](bench, arguments)
@@ -81,9 +98,11 @@ def main():
             print(f"{row.name}: {row.what}: {row.measured} (wanted: {row.wanted}) {row.verdict()}",
                   flush=True)
             failed = failed or row.met is False
-        if arguments.write:
-            table.write(rows, list(MEASUREMENTS))
+        all_rows += [vars(row) for row in rows]
         print(f"field: {name} took {time.monotonic() - begin:.0f} s", file=sys.stderr)
+    if arguments.json:
+        with open(arguments.json, "w", encoding="utf-8") as file:
+            json.dump(all_rows, file, indent=1)
     return 1 if failed else 0
 
 

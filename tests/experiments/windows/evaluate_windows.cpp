@@ -10,7 +10,6 @@
 #include "cli/evaluate/mask_windows_reader.hpp"
 #include "experiments/windows/disturbance.hpp"
 #include "experiments/windows/window_evaluation.hpp"
-#include "experiments/windows/worst_windows.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "vision/appearance.hpp"
@@ -23,7 +22,6 @@ namespace {
 struct Options {
   cli::MaskedPictureOptions pictures;
   std::string model_path;  ///< configuration with a learnt detector.appearance
-  std::string worst_path;  ///< PNG of the worst windows; empty: none
   evaluation::Disturbance disturbance;
   bool json = false;
 };
@@ -37,7 +35,6 @@ int evaluate(const Options& options) {
   }
   const vision::ColourConfig paper;  // the defaults are the paper's
   std::vector<evaluation::ScoredWindow> scored;
-  evaluation::WorstWindows worst;
   const cli::PictureCount count = cli::for_each_masked_picture(
       options.pictures, "evaluate_windows", [&](const cli::PictureWindows& picture) {
         const vision::PixelBlock pixels =
@@ -51,17 +48,12 @@ int evaluate(const Options& options) {
           scored.push_back({picture.group, labelled.is_trunk, log_odds,
                             vision::colour_confidence(hues, model.colour).roc,
                             vision::colour_confidence(hues, paper).roc});
-          if (!options.worst_path.empty()) {
-            worst.add(picture.name, pixels, labelled,
-                      vision::appearance_confidence(features, model.appearance));
-          }
         }
       });
   evaluation::WindowEvaluation result =
       evaluation::evaluate_windows(scored, model.appearance.confidence_min);
   result.num_pictures = count.used;
   result.left_out = count.left_out;
-  if (!options.worst_path.empty()) worst.write(options.worst_path);
   std::fputs((options.json ? window_json(result) : window_summary(result)).c_str(), stdout);
   return bus::kExitOk;
 }
@@ -90,7 +82,6 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--only", pictures.only, "numbers of the pictures to use, such as 020-118");
   app.add_flag("--json", o.json, "print JSON");
-  app.add_option("--worst", o.worst_path, "also draw the windows with the worst errors");
   using orchard::add_limit;
   add_limit(app, "--per-picture", windows.per_class, 1, 10000,
             "windows of each kind (on and off trunks) per picture");

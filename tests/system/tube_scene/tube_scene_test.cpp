@@ -6,7 +6,7 @@
 namespace orchard::test {
 namespace {
 
-/// A slice of the seeds that tests/experiments/tube_seeds.sh maps; the rig was calibrated on
+/// A slice of the seeds that `experiment run tubes` maps; the rig was calibrated on
 /// others.
 class TubeScene : public testing::TestWithParam<std::uint64_t> {};
 

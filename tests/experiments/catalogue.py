@@ -1,0 +1,349 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is measured: experiments by name, each with its rows of RESULTS.md. Figures are in results/NAME.json."""
+import dataclasses
+
+import trials
+
+TUNED = "1001 and up"
+
+
+@dataclasses.dataclass
+class Row:
+    keys: str       # of its figures in results/NAME.json
+    what: str       # with a semicolon between
+    wanted: str = ""
+    seeds: str = ""   # what rules and keys were tuned on / what the figure is judged on
+    note: str = ""
+
+
+@dataclasses.dataclass
+class Experiment:
+    section: str
+    rows: list
+    seeds: tuple = (1, 1)
+    trial: object = None  # trial(lab, seeds) -> {key: figure}
+    command: str = ""     # or a command of its own, whose figures `experiment note` takes
+
+
+SECTIONS = [  # heading, what is said below it
+    ("The paper's scene", "`scripts/demo.sh` prints the paper's tables 1 and 2 for one seed, with the error against truth. The paper reports a "
+     "mean confidence of 0.870 over its trees, 0.461 for the tube of another colour, and standard errors of 6.05 and 7.24 mm."),
+    ("Detection", "The hard orchard (`config/orchard_hard.yaml`) is simulated with clutter, people, sun, shadows and drifting light. Objects "
+     "within 4 m; [what counts as right, wrong and missed](experiments/detections/README.md#what-counts)."),
+    ("Camera", "Photographs of a real cherry orchard, not part of the repository: learnt from 000-019 (six trees), judged on 020-119."),
+    ("Laser", ""),
+    ("Touching objects", ""),
+    ("Calibration", ""),
+    ("Pose", "Errors after rigid alignment, but for satellites."),
+    ("A long drive", "`config/scale.yaml`: 21.5 km past 20,312 trees by `slam` alone."),
+    ("Maps", ""),
+    ("What moves and goes", ""),
+    ("Changes between two days", "The block before and after 5 % of its trees were felled (and as many planted), 5 % moved by 0.5 to 1.5 m, "
+     "5 % grew 20 to 60 mm, and a tenth of posts and bushes came or went. Precision and recall of missing; new; moved; grown."),
+    ("The grower's plan", ""),
+    ("PostGIS", "A real PostgreSQL 15 with PostGIS 3.3 in a private folder; correctness is the test `system_publish`."),
+    ("Real recordings", "Laser only, not part of the repository: an orchard at Pullally, Chile (RAL-UC, RoSA_SLAM), a robot among poles and "
+     "small trees (E. Zamora). *Clear trees* are peaks of trunk-like returns found without the mapper; nobody surveyed them."),
+    ("In the field", "Hosts are network namespaces; the bad link is a program that loses, repeats and delays frames by a seed; 53 trees a drive. A "
+     "scan takes 3 Ethernet frames, a picture 9. With the detector beside the sensors pictures need not cross the link."),
+    ("Cost", "Ratios within one run, two cores of a virtual machine that others disturb."),
+    ("A farm", ""),
+    ("The page", ""),
+    ("The simulated bark", "Medians over windows on trunks in 20 photographs, brought to trunks of 10 px and blurred as the simulated camera "
+     "does, and in `config/orchard_hard.yaml`, in an eighth of a trunk's width and logs of light."),
+]
+
+PICTURES = {  # below a section's table
+    "Real recordings": "![The orchard at Pullally: five rows of trees, bushes at one end and a hedge at the other]"
+                       "(../scripts/figures/pullally_map.png)",
+}
+
+EXPERIMENTS = {
+    "tubes": Experiment("The paper's scene", seeds=(1, 100), trial=trials.tubes, rows=[
+        Row("scenes", "scenes with 12 of 12 trees, 4 of 4 objects, nothing else, all limits kept", "100 of 100",
+            "trunk model 1001-1020, scanner noise on 1-100 / 1-100"),
+        Row("error confidence standard_errors",
+            "error against truth, RMS: mean over scenes; most; mean confidence of the trees; mean standard error "
+            "of a tree in x, y", "15 mm; 0.78 to 0.95; 7 mm", "the same"),
+    ]),
+    "orchard_hard": Experiment("Detection", seeds=(1, 20), trial=trials.orchard_hard, rows=[
+        Row("observations landmarks", "precision, recall per observation; F1 per landmark", "0.98, 0.95; 0.97",
+            "1001 and up / 1-20"),
+        Row("centre probabilities",
+            "centre of a tree, RMS; calibration error of probabilities, per observation, per landmark", "30 mm; 0.05",
+            "the same"),
+        Row("lights", "F1 per observation lost at -2 and +2 EV, 3000 and 8000 K, a sun 10 degrees high, at most",
+            "0.02", "1001 and up / 1-4"),
+    ]),
+    "ablation": Experiment("Detection", seeds=(1, 6), trial=trials.ablation, rows=[
+        Row("observations landmarks",
+            "F1 per observation of the paper's rules, and with compensated width, segmentation, appearance, "
+            "motion, probability, landmarks seen four times; the same per landmark", "", "1001 and up / 1-6",
+            "Models of six drives of 40 s; the twelve whole ones of the rig teach more."),
+    ]),
+    "moving_robot": Experiment("Detection", seeds=(1, 10), trial=trials.moving_robot, rows=[
+        Row("error not_undone",
+            "trees passed at 1 m/s and 0.5 rad/s, pictures 50 ms late; by stop and go: RMS, worse by; the same, "
+            "the sweep not undone", "10 mm", "delay on 9001, 9002 / 1-10"),
+        Row("delay", "delays of 0, 20, 50, 80 ms found on single drives, within", "5 ms", "the same"),
+    ]),
+    "learn_orchard": Experiment("Detection", seeds=(1001, 1012), trial=trials.learn_orchard, rows=[]),
+    "photographs": Experiment("Camera", trial=trials.photographs, rows=[
+        Row("area exposures", "area under the ROC curve; the same at -2, -1, +1, +2 EV", "0.97; 0.975",
+            "000-019; one rule changed after 020-118 had been seen / 020-119",
+            "The paper's hue interval reaches 0.515, one learnt from the same pictures 0.347."),
+    ]),
+    "laser_widths": Experiment("Laser", seeds=(5001, 5400), trial=trials.laser_widths, rows=[
+        Row("across widths ellipses",
+            "error of a trunk's centre across the line of sight, by a circle against by the angle it fills; "
+            "error of the width of 90 to 230 mm up to 2 m, three scanners, RMS, at most; 95 % ellipses that hold "
+            "the true centre", "below 1; -; 95 %", "none / 5001-5400"),
+    ]),
+    "thin_widths": Experiment("Laser", seeds=(1, 20), trial=trials.thin_widths, rows=[
+        Row("bias spread",
+            "widths of 50 to 400 mm from 30 looks through spots of 0 to 28 mm: bias, at most; spread over the "
+            "Cramer-Rao bound: median, most", "3 %; 1.5", "none / 1-20",
+            "Taken as lines such beams err by up to 42 %; not solved: a wall behind and split readings."),
+    ]),
+    "beacons": Experiment("Laser", seeds=(1, 20), trial=trials.beacons, rows=[
+        Row("found extra",
+            "poles of 70 mm with reflectors, boards and bushes 4 to 15 cm behind: found within 0.05 m; other "
+            "trees, of all seeds; most of a seed", "all; 1", "1-20 / 1-20",
+            "297 and 299 of 300 on 21-40 and 41-60: poles that a board touches."),
+    ]),
+    "touching": Experiment("Touching objects", command="build/tests/segment_test --gtest_filter=Parting*:StemPairs*", rows=[
+        Row("pairs boards",
+            "two stems side by side, noise 12 mm, 3 to 4 m: two found with their widths, of 400; a board of 0.2 "
+            "to 0.3 m stays one; a trunk of 60 to 300 mm stays one, of 400", "360; 368; 398",
+            "prior of a pair 0-399 / 0-399"),
+    ]),
+    "calibration": Experiment("Calibration", seeds=(1, 50), trial=trials.calibration, rows=[
+        Row("camera", "camera, chessboard 8x6, 25 pictures of 320x240: focal length, principal point, at most",
+            "0.5 %, 1.5 px", "none / 1-50"),
+        Row("mount", "laser to camera, 20 views, the board's outer size given: rotation, translation, RMS",
+            "0.3 degrees, 8 mm", "1001 and up, two faults found on 1-50 / 1-50",
+            "Without the outer size 0.518 degrees and 11.5 mm; NEES 6.0 (6 expected)."),
+        Row("squares", "squares stated as 0.80 to 1.20 of their side: refused; their size named, worst error",
+            "all; 2 %", "- / 1-10"),
+    ]),
+    "calibrate_trunks": Experiment("Calibration", seeds=(1, 10), trial=trials.calibrate_trunks, rows=[
+        Row("f1 landmarks",
+            "F1 per observation with a model learnt automatically from 40 s in coloured light, and from picked "
+            "trees; lost: mean, most; the same per landmark", "0.01", "rules seen on 1-10 / 1-10",
+            "**Missed**; drives of 120 s lose 0.014 and 0.051: they pass two to three times as many trunks."),
+    ]),
+    "block": Experiment("Pose", seeds=(1, 20), trial=trials.block, rows=[
+        Row("trees path missed",
+            "`config/block.yaml`, three rounds by wheels and trunks: trees, RMS, mean over seeds; worst; path, "
+            "RMS, mean over seeds; worst; trees missed, mapped twice", "-; -; 0, 0", "1, 1001 / 1-20"),
+    ]),
+    "block_rtk": Experiment("Pose", seeds=(1, 2), trial=trials.block_rtk, rows=[
+        Row("raw", "the same with satellite fixes of 2 cm: trees, RMS, no alignment", "", "the same / 1, 2"),
+    ]),
+    "two_scanners": Experiment("Pose", seeds=(1, 5), trial=trials.two_scanners, rows=[
+        Row("trees path",
+            "600 s of the block with one scanner; with a second one at the rear: trees, RMS; the same: path, RMS",
+            "no worse; no worse", "none / 1-5"),
+    ]),
+    "slam_park": Experiment("Pose", seeds=(1, 20), trial=trials.slam_park, rows=[
+        Row("path twice nees",
+            "a park of 160 irregular trees, 4 km at 3 m/s: path at most 0.5 m, RMS; trees mapped twice, of 2000; "
+            "landmarks that are two trees; NEES at the end, mean (3 expected)", "20 of 20; 0; 0; 1 to 6",
+            "7, 15, 17 looked at / 1-20", "Seed 17 drives 230 m with no known tree in view."),
+    ]),
+    "slam_rows": Experiment("Pose", seeds=(1, 200), trial=trials.slam_rows, rows=[
+        Row("closed", "rows left for 300 to 500 m without trees and entered again: loops closed by the end",
+            "90 %, none wrong", "17, 2 run again / 1-200"),
+    ]),
+    "yard": Experiment("Pose", seeds=(1, 10), trial=trials.yard, rows=[
+        Row("wheels scans",
+            "scene yard, 1.5 km, by wheels, trunks and scans: path, RMS, mean; worst; the same with `motion: "
+            "scans`, no wheels", "0.5 m; 1 m", "1-4 looked at / 1-10"),
+    ]),
+    "satellites": Experiment("Pose", seeds=(21, 66), trial=trials.satellites, rows=[
+        Row("smoothed told",
+            "a park, a receiver of 2.5 m in bursts with gaps and multipath, `fused`, smoothed: at most 3 m "
+            "outside of gaps; median, most; as told at the time: median, most", "all; 3 m",
+            "29, 32, 47 looked at / 21-66", "An estimator that knows the true noise reaches 2.0 m."),
+        Row("left_out nees",
+            "drives with a good fix left out for more than 2 s; the longest; NEES of the last pose, mean: as "
+            "told; smoothed (2 expected)", "0; 1 to 4", "the same",
+            "**Missed**: where the first seconds after a gap are reflected, fixes alone cannot tell sooner."),
+        Row("gaps", "gaps below 1 % of the way driven in them", "all", "the same",
+            "**Missed**; the estimator with the true noise has 166."),
+    ]),
+    "prior_map": Experiment("Pose", seeds=(1, 800), trial=trials.prior_map, rows=[
+        Row("found distance foreign",
+            "global starts in an earlier map, 5 % of its trees changed: right, wrong; distance to a global "
+            "start: median; most; placed in another orchard", "all, 0; -; 0", "1001 and up / 1-800"),
+        Row("carried", "carried to another row: found again within 15 m; median", "all", "the same / 1-200"),
+        Row("tracking", "tracking with headlands, RMS; times LOST", "", "the same / 1-40"),
+    ]),
+    "slam_peers": Experiment("Pose", command="tests/benchmark/slam_peers.sh", rows=[
+        Row("peers", "ms per scan with 50, 100, 200, 400 trees; MRPT's kf-slam that is told identities, 50, 100", "",
+            "- / 1",
+            "kf-slam with identities to find and rbpf-slam were given up after 60 s from 50 or 100 trees on."),
+    ]),
+    "scale": Experiment("A long drive", trial=trials.scale, rows=[
+        Row("time memory",
+            "processor time of everything; times real time; most memory over the scans; map files included; per "
+            "km less 2 kiB a tree", "50 times; 5 MiB per km", "seed 1 / seed 1"),
+        Row("trees error", "trees found; mapped twice; trees, path, RMS", "all; 0", "the same"),
+        Row("five", "five loops, 109.5 km: times real time; most memory; per km; trees found", "50 times; 5 MiB",
+            "none / seed 1", "`simulation.orchard.laps: 5`; submaps grow with the drive."),
+    ]),
+    "mapper_cost": Experiment("A long drive", command="build/experiments/mapper_cost LOG MAP/derived.lcm RIG OUT", rows=[
+        Row("back memory",
+            "a live mapper killed after 1 h (3.6 km, 2,021 landmarks): back after; without album, per hour of "
+            "driving; its own memory over that hour; journal per km; a commit, at most", "5 s; 10 MB per hour",
+            "none", "The journal is replayed; with snapshots it was 0.3 s."),
+    ]),
+    "rows": Experiment("Maps", seeds=(1, 500), trial=trials.rows, rows=[
+        Row("real planted",
+            "Pullally's maps perturbed: with their five rows (drives 1, 2, each with the track and by the laser "
+            "alone); random blocks with bushes, hedges and posts: with the planted rows", "all; all",
+            "1001 and up / 1-500"),
+    ]),
+    "free_ways": Experiment("Maps", seeds=(1, 20), trial=trials.free_ways, rows=[
+        Row("simulated real",
+            "simulated orchards all of whose ways keep 0.3 m from rims and true things; Pullally's drives, every "
+            "half metre seen free, too", "all; all", "none / 1-20"),
+    ]),
+    "merge_robots": Experiment("Maps", trial=trials.merge_robots, rows=[
+        Row("trees", "three robots in the block, two by wheels and trunks alone, merged: trees found, RMS", "",
+            "not recorded / 1"),
+    ]),
+    "large_maps": Experiment("Maps", seeds=(1, 62), trial=trials.large_maps, rows=[
+        Row("laid others",
+            "two maps of 20,000 trees in any frames: laid right; processor time, mean; the same of two blocks: "
+            "refused; processor time, most", "all; 10 s; all; 10 s", "1002-1005 / 1-62"),
+    ]),
+    "album": Experiment("Maps", seeds=(1, 6), trial=trials.album, rows=[
+        Row("photographs", "mapped trees with a photograph; with the trunk in its middle third", "", "none / 1-6"),
+    ]),
+    "moving_things": Experiment("What moves and goes", seeds=(1, 4), trial=trials.moving_things, rows=[
+        Row("ghosts trees", "twelve people and four vehicles that drive off: landmarks of theirs left; trees kept",
+            "0; all", "1001, 1002 / 1-4", "Axles seen some 300 times, which left when the robot came there no more."),
+    ]),
+    "people": Experiment("What moves and goes", seeds=(1, 20), trial=trials.people, rows=[
+        Row("without trees",
+            "three people about, a laser alone, whole drives: without any landmark of theirs; trees found", "all",
+            "not recorded / 1-20"),
+    ]),
+    "bushes": Experiment("What moves and goes", seeds=(1, 40), trial=trials.bushes, rows=[
+        Row("one strays trees",
+            "leafy bushes that are one landmark; landmarks where nothing stands, per map; F1 of trees per "
+            "landmark; per observation", "all; 1; 0.98", "1-3, 8, 11, 15, 16, 18 / 1-40"),
+    ]),
+    "hedges": Experiment("What moves and goes", seeds=(1, 30), trial=trials.hedges, rows=[
+        Row("lines beside", "a hedge of 46 m in the yard is one line; the shortest; bits beside it, per map",
+            "all; 0", "not recorded / 1-30",
+            "At Pullally stems as sharp as the rows' trees stay trees and part the hedge."),
+    ]),
+    "map_changes": Experiment("Changes between two days", seeds=(1, 3), trial=trials.map_changes, rows=[
+        Row("fixes_changes fixes_same ids",
+            "by fixes; false changes of the unchanged blocks; trees with another id, row or position under "
+            "`--previous`", "0.95; 1 %; 0", "1001-1003 / 1-3"),
+        Row("slam_changes slam_same", "by `slam`, each map in its own frame; false changes of the unchanged blocks",
+            "0.95; 1 %", "the same"),
+    ]),
+    "two_maps": Experiment("Changes between two days", seeds=(1, 60), trial=trials.two_maps, rows=[
+        Row("changes ids", "blocks mapped without scans, widths to 4 mm; trees with another id, another number",
+            "0.95; 0", "above 1000 / 1-60"),
+        Row("merged refused",
+            "three robots' maps, any frame, one bent: merged; trees twice or lost; planted to a centimetre, like "
+            "a chessboard, nothing in common: refused; laid wrongly", "all; 0; all; 0", "above 1000 / 1-10"),
+    ]),
+    "plans": Experiment("The grower's plan", seeds=(1, 50), trial=trials.plans, rows=[
+        Row("names deviations",
+            "random orchards, 0.7 m and 0.3 degrees off their plan: names right; precision, recall of missing, "
+            "extra, displaced", "all; 0.95", "not recorded / 1-50"),
+    ]),
+    "plan_files": Experiment("The grower's plan", command="tests/experiments/plan_files.py", rows=[
+        Row("names", "plans written by PROJ and GDAL in seven systems and five formats: names right", "all",
+            "none / 1-50"),
+    ]),
+    "publish": Experiment("PostGIS", command="tests/experiments/publish_cost.py", rows=[
+        Row("million killed",
+            "a million trees published; again, unchanged; killed at ten moments: nothing, all, a part",
+            "120 s; no part", "-"),
+    ]),
+    "real": Experiment("Real recordings", trial=trials.real, rows=[
+        Row("clear_1 clear_2", "Pullally with its track: clear trees with one tree landmark; drive 2", "all; all",
+            "this drive and six noisy copies / this drive"),
+        Row("path_1 path_2", "from the laser alone: path from the recording's own GNSS track, RMS, most; drive 2", "",
+            "local map's reach on drive 1 / drive 1"),
+        Row("koala", "koala: the last scans from the first, by the map's path; by the wheels", "",
+            "mount and noise on it / this drive",
+            "No loop is closed, so the heading is known no better than 7 degrees."),
+    ]),
+    "altered_drives": Experiment("Real recordings", trial=trials.altered_drives, rows=[
+        Row("track alone",
+            "16 altered copies of Pullally's drive: clear trees that are one landmark; two; from the laser alone",
+            "all; 0; all; 0", "9 to 11 of the copies / all"),
+    ]),
+    "second_visit": Experiment("Real recordings", trial=trials.second_visit, rows=[
+        Row("placed claims ids",
+            "each Pullally drive in the other's map by its laser alone: RMSE; changes claimed where nothing "
+            "changed; clear trees in both maps that keep their id", "0.12 m; 2; all", "these drives / these drives"),
+    ]),
+    "field": Experiment("In the field", command="tests/field/field.py", rows=[
+        Row("loss", "20 % of all frames lost: trees gone or new; with the detector beside the sensors", "5 %",
+            "- / seed 7",
+            "**Missed** without the latter: a sixth to a quarter of the trees are passed without one picture; 5 "
+            "% of the frames cost 0.5 %."),
+        Row("kills kills_saving",
+            "100 kills of detector, driver, mapper, pose: works again after, at most; trees with their id; 200 "
+            "kills as a save begins: maps that open; smaller than before", "1 s; all; 200; 0", "the same"),
+        Row("disk", "a full disk: said after; well again after room was made", "1 s; 2 s", "the same"),
+        Row("hostile",
+            "sixteen kinds of hostile packets, with and without the guard: our processes that die, freeze or grow",
+            "0", "the same", "LCM's own lcm-logger dies."),
+        Row("clocks", "clocks set by an hour in mid-drive: trees gone or new; 200 ms between hosts", "2 trees; said",
+            "the same"),
+        Row("laser", "an emulated UST-10LX over 120 s, processors kept busy: stamps, sd, worst; driver, of a core",
+            "2 ms, 20 ms", "the same"),
+        Row("two_machines", "two machines by the page on deployment: the map against the recording's on one",
+            "the same bytes", "the same"),
+        Row("day", "24 h of driving in one process, twice", "the same bytes", "the same"),
+    ]),
+    "benchmark": Experiment("Cost", command="tests/benchmark/benchmark.sh", rows=[
+        Row("detector", "detector, JPEG to detections, against the whole frame by OpenCV; with a learnt appearance",
+            "0.35", "-"),
+        Row("update", "mapper update along a path, 1e6 landmarks against 1e3; memory of a landmark", "1.5; 160 bytes",
+            "-"),
+        Row("replay", "replay in one process, one core; in lockstep over multicast: times real time", "200; 50", "-"),
+        Row("latency", "scan to map, p50 against a bare LCM relay; p99; detector, pose and mapper at field rate",
+            "2.5; 5 ms; 5 %", "-"),
+        Row("viewers", "p99 of scan to map with 20 event streams against without (`bench_viewers 60`)", "1.1", "-"),
+    ]),
+    "demo": Experiment("Cost", command="CCACHE_DISABLE=1 scripts/demo.sh", rows=[
+        Row("first", "first picture after `git clone`, packages there, two idle cores: build and demo, processor",
+            "240 s", "-"),
+    ]),
+    "farm": Experiment("A farm", command="tests/experiments/farm.sh 24 3 2", rows=[
+        Row("season killed cost",
+            "24 blocks, 3 dates, 2 robots: steps made; set aside or named; killed five times; by Slurm with a "
+            "job cancelled and the node drained; a map costs, fitted over 143 maps", "all; 4 of 4; the same bytes",
+            "-"),
+    ]),
+    "million_trees": Experiment("A farm", command="tests/experiments/million_trees.py 100 10000 4", rows=[
+        Row("joined shown",
+            "four blocks of two robots' maps each, 40,000 trees: wrong, not found, twice; join of a block; a "
+            "million trees served: ready after, memory; a near view; five questions to the database", "0, 0, 0", "-"),
+    ]),
+    "page_speed": Experiment("The page", command="tests/experiments/page_speed.py out/tubes/map.html", rows=[
+        Row("pan", "pan over 100,000 trees, no graphics card: pictures per second at zooms 1, 2.5, 6, 20", "30", "-"),
+    ]),
+    "watched": Experiment("The page", command="tests/experiments/watched_orchard.py", rows=[
+        Row("live",
+            "300 trees driven live, clicked, searched, edited on two pages: trees, clicks, numbers; first picture",
+            "", "-"),
+        Row("viewer",
+            "viewer, largest size: 20 clients that never read, 10,000 requests, a browser (`ctest -R "
+            "system_view_live_page -V`)", "100 MB", "-"),
+    ]),
+    "bark": Experiment("The simulated bark", rows=[
+        Row("bark", "neighbours along the trunk; across; standard deviation: photographs, bark, posts", "", "-"),
+    ]),
+}

@@ -43,7 +43,7 @@ export ORCHARD_SANITIZED=yes  # tests leave out limits on memory and processor
 if [ $all = yes ]; then
   ninja -C "$folder" -j "$jobs" all tests
   # Ten times as long: sanitizers are that slow.
-  find "$folder" -name CTestTestfile.cmake -exec sed -i -E 's/(TIMEOUT "[0-9]+)"/\10"/' {} +
+  find "$folder" \( -name CTestTestfile.cmake -o -name '*_suites.cmake' \) -exec sed -i -E 's/(TIMEOUT "[0-9]+)"/\10"/' {} +
   ctest --test-dir "$folder" --output-on-failure -R "$matching"
   exit
 fi

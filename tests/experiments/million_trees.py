@@ -14,7 +14,6 @@ usage: tests/experiments/million_trees.py [BLOCKS [TREES [JOINED]]]     (default
   JOINED: blocks that are joined of two robots' maps; the others are published as one robot's map
 """
 import csv
-import json
 import math
 import os
 import random
@@ -28,7 +27,8 @@ import time
 import urllib.request
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, ROOT + "/tests/system/publish")
+sys.path[:0] = [ROOT + "/tests/system", ROOT + "/tests/system/publish"]
+import maps  # noqa: E402
 import server as postgres  # noqa: E402
 sys.path.insert(0, ROOT + "/tests/system/view")
 import browser  # noqa: E402
@@ -72,40 +72,25 @@ def plant(trees, dice):
 
 def write_map(folder, rows, first, end, frame, dice, step_m=1.0, block=0):
     """A robot's map of rows [first, end), in a frame (x, y, yaw) of its own; returns its trees."""
-    os.makedirs(folder)
     c, s = math.cos(frame[2]), math.sin(frame[2])
 
     def placed(x, y):
         return frame[0] + c * x - s * y, frame[1] + s * x + c * y
 
-    num = 0
-    with open(folder + "/map.csv", "w") as file:
-        file.write("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,"
-                   "width_sd_m\n")
-        for row in range(first, end):
-            for k, (x, y) in enumerate(rows[row]):
-                num += 1
-                px, py = placed(x + dice.gauss(0, 0.01), y + dice.gauss(0, 0.01))
-                file.write(f"{num},tree,{px:.4f},{py:.4f},60,0.9000,1.0000,0.0050,0.0050,"
-                           f"{dice.gauss(0.12, 0.01):.4f},{row - first + 1},{k + 1},0.0010\n")
+    lines = []
+    for row in range(first, end):
+        for k, (x, y) in enumerate(rows[row]):
+            px, py = placed(x + dice.gauss(0, 0.01), y + dice.gauss(0, 0.01))
+            lines.append(maps.landmark(len(lines) + 1, px, py, row - first + 1, k + 1, dice.gauss(0.12, 0.01), num=60))
     length_m = max(rows[first][-1][0], rows[end - 1][-1][0])
-    with open(folder + "/trajectory.csv", "w") as file:
-        file.write("utime_us,x_m,y_m,yaw_rad\n")
-        utime = 1385942400000000
-        for alley in range(first, end + 1):
-            is_back = (alley - first) % 2 == 1
-            yaw = frame[2] + (math.pi if is_back else 0.0)
-            for i in range(int(length_m / step_m) + 1):
-                along = length_m - step_m * i if is_back else step_m * i
-                px, py = placed(along, ROW_M * (alley - 0.5))
-                file.write(f"{utime},{px:.4f},{py:.4f},{math.remainder(yaw, 2 * math.pi):.5f}\n")
-                utime += 1000000
-    with open(folder + "/summary.json", "w") as file:
-        json.dump({"georeference": {"latitude_deg": 41.6 + 0.005 * (block // 10),
-                                    "longitude_deg": 0.6 + 0.005 * (block % 10), "altitude_m": 200.0,
-                                    "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.2,
-                                    "residual_rms_m": 0.02}}, file)
-    return num
+    path = []
+    for alley in range(first, end + 1):
+        is_back = (alley - first) % 2 == 1
+        yaw = math.remainder(frame[2] + (math.pi if is_back else 0.0), 2 * math.pi)
+        for i in range(int(length_m / step_m) + 1):
+            path.append((*placed(length_m - step_m * i if is_back else step_m * i, ROW_M * (alley - 0.5)), yaw))
+    maps.write_map(folder, lines, path, maps.datum(41.6 + 0.005 * (block // 10), 0.6 + 0.005 * (block % 10), 200.0, yaw_rad=0.2))
+    return len(lines)
 
 
 def errors_of(folder, rows):

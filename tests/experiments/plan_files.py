@@ -17,6 +17,9 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, ROOT + "/tests/system")
+import maps  # noqa: E402
+
 ORCHARD = os.environ.get("BUILD", ROOT + "/build") + "/bin/orchard"
 # Where the system is at home: latitude and longitude.
 SYSTEMS = {"EPSG:32719": (-33.4, -70.6), "EPSG:3857": (47.6, 9.4), "EPSG:7856": (-27.6, 151.9), "EPSG:25830": (41.6, -0.9),
@@ -86,7 +89,6 @@ def write_plan(plan, place, system, word, folder, local):
 
 def write_map(standing, way, place, dice, folder):
     """The map, in its own frame; which landmark is which tree. It believes to lie 0.7 m and a quarter of a degree elsewhere."""
-    os.makedirs(folder)
     yaw, x0, y0 = dice.uniform(-3, 3), dice.uniform(-50, 50), dice.uniform(-50, 50)
 
     def in_map(east, north, noise=0.0):
@@ -94,25 +96,16 @@ def write_map(standing, way, place, dice, folder):
         return (u * math.cos(yaw) + v * math.sin(yaw) + dice.gauss(0, noise), -u * math.sin(yaw) + v * math.cos(yaw) + dice.gauss(0, noise))
 
     names = {}
-    with open(folder + "/map.csv", "w", encoding="ascii") as file:
-        file.write("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n")
-        dice.shuffle(standing)
-        for i, (name, east, north) in enumerate(standing):
-            x, y = in_map(east, north, 0.03)
-            names[i + 1] = name
-            file.write(f"{i + 1},tree,{x:.4f},{y:.4f},20,0.9,0.99,0.01,0.01,{dice.gauss(0.12, 0.012):.4f},,,0.001\n")
-    with open(folder + "/trajectory.csv", "w", encoding="ascii") as file:
-        file.write("utime_us,x_m,y_m,yaw_rad\n")
-        for i, (a, b) in enumerate(zip(way, way[1:])):
-            heading = math.atan2(b[1] - a[1], b[0] - a[0]) - yaw
-            x, y = in_map(*a)
-            file.write(f"{1700000000000000 + 500000 * i},{x:.4f},{y:.4f},{math.remainder(heading, 2 * math.pi):.6f}\n")
-    with open(folder + "/summary.json", "w", encoding="ascii") as file:
-        json.dump({"georeference": {"latitude_deg": place[0], "longitude_deg": place[1], "altitude_m": dice.uniform(0, 700),
-                                    "x_m": x0 + dice.gauss(0, 0.7), "y_m": y0 + dice.gauss(0, 0.7), "yaw_rad": yaw + dice.gauss(0, 0.005),
-                                    "residual_rms_m": 0.02},
-                   "view": {"reach_m": REACH_M, "bearing_min_rad": -2.356, "bearing_max_rad": 2.356, "mount_x_m": 0.3, "mount_y_m": 0.0,
-                            "mount_yaw_rad": 0.0, "min_observations": 1}}, file)
+    dice.shuffle(standing)
+    lines = []
+    for i, (name, east, north) in enumerate(standing):
+        names[i + 1] = name
+        lines.append(maps.landmark(i + 1, *in_map(east, north, 0.03), width_m=dice.gauss(0.12, 0.012)))
+    path = [(*in_map(*a), math.remainder(math.atan2(b[1] - a[1], b[0] - a[0]) - yaw, 2 * math.pi)) for a, b in zip(way, way[1:])]
+    maps.write_map(folder, lines, path, maps.datum(place[0], place[1], dice.uniform(0, 700), x_m=x0 + dice.gauss(0, 0.7),
+                                                   y_m=y0 + dice.gauss(0, 0.7), yaw_rad=yaw + dice.gauss(0, 0.005)), period_us=500000,
+                   view={"reach_m": REACH_M, "bearing_min_rad": -2.356, "bearing_max_rad": 2.356, "mount_x_m": 0.3, "mount_y_m": 0.0,
+                         "mount_yaw_rad": 0.0, "min_observations": 1})
     return names
 
 

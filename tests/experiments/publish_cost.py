@@ -6,7 +6,6 @@ A PostgreSQL with PostGIS of its own; a map of TREES trees (default 1,000,000) i
 again unchanged, by two at once as two blocks, and killed at ten moments.
   tests/experiments/publish_cost.py [TREES]       needs a build in build/ (or BUILD=folder)
 """
-import json
 import os
 import random
 import subprocess
@@ -15,7 +14,8 @@ import tempfile
 import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, ROOT + "/tests/system/publish")
+sys.path[:0] = [ROOT + "/tests/system", ROOT + "/tests/system/publish"]
+import maps  # noqa: E402
 import server as postgres  # noqa: E402
 
 ORCHARD = os.environ.get("BUILD", ROOT + "/build") + "/bin/orchard"
@@ -23,18 +23,9 @@ ORCHARD = os.environ.get("BUILD", ROOT + "/build") + "/bin/orchard"
 
 def write_map(folder, trees, seed):
     dice = random.Random(seed)
-    os.makedirs(folder)
-    with open(folder + "/map.csv", "w") as file:
-        file.write("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,"
-                   "width_sd_m\n")
-        for i in range(trees):
-            row, k = divmod(i, 1000)
-            file.write(f"{i + 1},tree,{2 * k + dice.gauss(0, 0.05):.4f},{4 * row:.4f},20,0.9000,"
-                       f"0.9900,0.0050,0.0050,{dice.gauss(0.12, 0.01):.4f},{row + 1},{k + 1},0.0010\n")
-    with open(folder + "/summary.json", "w") as file:
-        json.dump({"georeference": {"latitude_deg": 41.6, "longitude_deg": 0.6, "altitude_m": 200.0,
-                                    "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.2,
-                                    "residual_rms_m": 0.02}}, file)
+    maps.write_map(folder, (maps.landmark(i + 1, 2 * (i % 1000) + dice.gauss(0, 0.05), 4 * (i // 1000), i // 1000 + 1, i % 1000 + 1,
+                                          dice.gauss(0.12, 0.01)) for i in range(trees)),
+                   georeference=maps.datum(41.6, 0.6, 200.0, yaw_rad=0.2))
 
 
 def main():

@@ -12,8 +12,10 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import maps  # noqa: E402
+
 ORCHARD = sys.argv[1] + "/orchard"
-HEADER = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n"
 LATITUDE, LONGITUDE = -27.6, 151.9
 UTM = "EPSG:32756"
 NAMES = {"geojson": "a.geojson", "kml": "a.kml", "shp": "a.shp.zip", "dxf": "a.dxf",
@@ -46,22 +48,12 @@ class Export(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def write_map(self, georeferenced):
-        os.makedirs(self.map, exist_ok=True)
-        with open(self.map + "/map.csv", "w") as file:
-            file.write(HEADER)
-            for number, (x, y) in THINGS.items():
-                row, k = ("", "") if number == 900 else divmod(number, 100)
-                kind = "object" if number == 900 else "tree"
-                file.write(f"{number},{kind},{x:.4f},{y:.4f},20,0.9,0.990,0.005,0.005,0.1200,"
-                           f"{row},{k},0.001\n")
-        with open(self.map + "/trajectory.csv", "w") as file:
-            file.write("utime_us,x_m,y_m,yaw_rad\n")
-            for k in range(20):
-                file.write(f"{1775000000000000 + k * 1000000},{k:.4f},7.5000,0.000000\n")
-        datum = {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE, "altitude_m": 0.0,
-                 "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0, "residual_rms_m": 0.01}
-        with open(self.map + "/summary.json", "w") as file:
-            json.dump({"georeference": datum} if georeferenced else {}, file)
+        lines = []
+        for number, (x, y) in THINGS.items():
+            row, k = ("", "") if number == 900 else divmod(number, 100)
+            lines.append(maps.landmark(number, x, y, row, k, kind="object" if number == 900 else "tree"))
+        maps.write_map(self.map, lines, [(k, 7.5, 0.0) for k in range(20)],
+                       maps.datum(LATITUDE, LONGITUDE) if georeferenced else None)
 
     def edit(self, *words):
         done = subprocess.run([ORCHARD, "edit", self.map, *words], capture_output=True, text=True)

@@ -16,8 +16,10 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import maps  # noqa: E402
+
 ORCHARD = sys.argv[1] + "/orchard"
-HEADER = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n"
 LATITUDE, LONGITUDE = -27.6, 153.0  # the middle of its UTM zone: there metres are metres but for a scale of 0.9996
 YAW = 0.3
 
@@ -56,21 +58,8 @@ class ImportEdits(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def write_map(self, georeferenced):
-        os.makedirs(self.map)
-        with open(self.map + "/map.csv", "w", encoding="ascii") as file:
-            file.write(HEADER)
-            for row in range(1, 5):
-                for k in range(1, 11):
-                    file.write(f"{100 * row + k},tree,{3.0 * k:.4f},{5.0 * row:.4f},20,0.9,0.990,0.005,0.005,0.1200,"
-                               f"{row},{k},0.001\n")
-        with open(self.map + "/trajectory.csv", "w", encoding="ascii") as file:
-            file.write("utime_us,x_m,y_m,yaw_rad\n")
-            for k in range(20):
-                file.write(f"{1775000000000000 + k * 1000000},{1.5 * k:.4f},7.5000,0.000000\n")
-        summary = {"georeference": {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE, "altitude_m": 0.0, "x_m": 0.0,
-                                    "y_m": 0.0, "yaw_rad": YAW, "residual_rms_m": 0.02}}
-        with open(self.map + "/summary.json", "w", encoding="ascii") as file:
-            json.dump(summary if georeferenced else {}, file)
+        maps.write_map(self.map, [maps.landmark(100 * row + k, 3.0 * k, 5.0 * row, row, k) for row in range(1, 5) for k in range(1, 11)],
+                       [(1.5 * k, 7.5, 0.0) for k in range(20)], maps.datum(LATITUDE, LONGITUDE, yaw_rad=YAW) if georeferenced else None)
 
     def orchard(self, *words, code=0):
         result = subprocess.run([ORCHARD, *words], capture_output=True, text=True, check=False)

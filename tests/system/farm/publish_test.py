@@ -2,7 +2,6 @@
 """A farm's dates in a real PostgreSQL with PostGIS: published once each, again where people corrected
 one, and what the database refuses is named and made up for. Usage: publish_test.py SOURCE_TREE BIN."""
 import json
-import os
 import shutil
 import subprocess
 import sys

@@ -39,6 +39,13 @@ for script in scripts/*.sh tests/*/*.sh; do
   [ $code -eq 2 ] || wrong "$script" "an unknown option ends with exit code $code"
   grep -q -- '--help' <<<"$said" || wrong "$script" "an unknown option gets no pointer to --help"
 done
-[ $num -gt 20 ] || wrong scripts "only $num of them were found"
+[ $num -gt 10 ] || wrong scripts "only $num of them were found"
+cd "$1" || exit 2
+for program in tests/experiments/experiment tests/field/field.py; do
+  "$program" --help 2>&1 | grep -q '^usage: ' || wrong "$program" "--help does not tell its use"
+  "$program" --no-such-option >/dev/null 2>&1
+  [ $? -eq 2 ] || wrong "$program" "an unknown option does not end with exit code 2"
+done
+cd "$tree" || exit 2
 [ "$(find . | sort)" = "$before" ] || wrong scripts "something was written"
 exit $failed

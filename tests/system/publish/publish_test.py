@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """orchard publish against a real PostgreSQL with PostGIS: what is in the tables, history, roles,
 two publishers at once, and one that is killed. Usage: publish_test.py BIN README."""
-import json
 import math
 import os
 import re
@@ -12,14 +11,13 @@ import tempfile
 import time
 import unittest
 
-import server as postgres
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import maps  # noqa: E402
+import server as postgres  # noqa: E402
 
 ORCHARD = sys.argv[1] + "/orchard"
 README = sys.argv[2]
-HEADER = ("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n")
 ROWS, TREES = 4, 12
-DATUM = {"latitude_deg": -27.6, "longitude_deg": 151.9, "altitude_m": 500.0, "x_m": 0.0,
-         "y_m": 0.0, "yaw_rad": 0.0, "residual_rms_m": 0.01}
 
 
 def wait_for(what, seconds=60):
@@ -47,19 +45,9 @@ class Publish(unittest.TestCase):
     def map_of(self, name, growth_m=lambda row: 0.0, left_out=(), georeferenced=False):
         """A map folder: row r, place k has id 100 r + k."""
         folder = os.path.join(self.folder, name)
-        os.makedirs(folder, exist_ok=True)
-        with open(folder + "/map.csv", "w") as file:
-            file.write(HEADER)
-            for row in range(1, ROWS + 1):
-                for k in range(1, TREES + 1):
-                    if 100 * row + k in left_out:
-                        continue
-                    width_m = 0.1 + 0.001 * k + growth_m(row)
-                    file.write(f"{100 * row + k},tree,{2.0 * k - 2:.4f},{4.0 * row - 4:.4f},20,0.9,"
-                               f"0.99,0.005,0.005,{width_m:.4f},{row},{k},0.001\n")
-        if georeferenced:
-            with open(folder + "/summary.json", "w") as file:
-                json.dump({"georeference": DATUM}, file)
+        lines = [maps.landmark(100 * row + k, 2 * k - 2, 4 * row - 4, row, k, 0.1 + 0.001 * k + growth_m(row))
+                 for row in range(1, ROWS + 1) for k in range(1, TREES + 1) if 100 * row + k not in left_out]
+        maps.write_map(folder, lines, georeference=maps.datum(-27.6, 151.9, 500.0) if georeferenced else None)
         return folder
 
     def command(self, folder, *more, block="north", date="2026-04-10"):

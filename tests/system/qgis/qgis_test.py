@@ -5,7 +5,6 @@ Two rows of trees with two posts and a bush are exported, on the earth and witho
 (Debian's, without a window) opens each layer by itself and draws it. PICTURES: a folder for what it drew."""
 
 import csv
-import json
 import os
 import subprocess
 import sys
@@ -22,10 +21,11 @@ except ImportError:
     print("skipped: no QGIS (scripts/test.sh --all installs it)", file=sys.stderr)
     sys.exit(77)
 import server as postgres  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import maps  # noqa: E402
 
 ORCHARD = os.path.join(sys.argv[1], "orchard")
-DATUM = {"latitude_deg": -27.6, "longitude_deg": 151.9, "altitude_m": 500.0, "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.3,
-         "residual_rms_m": 0.01}
+DATUM = maps.datum(-27.6, 151.9, 500.0, yaw_rad=0.3)
 NUM_ROWS, NUM_PLACES, GAP = 2, 8, (1, 5)
 # The colours that the page of map layers promises, as QGIS lays them on white.
 GREEN, RED = (46, 125, 50), (198, 40, 40)
@@ -37,23 +37,11 @@ def orchard(*arguments):
 
 
 def write_map(folder, georeference):
-    os.makedirs(folder)
-    lines = ["id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m"]
-    number = 0
-    for row in range(1, NUM_ROWS + 1):
-        for place in range(1, NUM_PLACES + 1):
-            if (row, place) == GAP:
-                continue
-            number += 1
-            lines.append(f"{number},tree,{3 * place},{5 * row},20,0.9,0.99,0.005,0.005,0.12,{row},{place},0.001")
+    places = [(row, place) for row in range(1, NUM_ROWS + 1) for place in range(1, NUM_PLACES + 1) if (row, place) != GAP]
+    lines = [maps.landmark(number, 3 * place, 5 * row, row, place) for number, (row, place) in enumerate(places, 1)]
     for x_m, y_m, width_m in ((4.5, 5.0, 0.2), (13.5, 10.0, 0.2), (16.5, 7.6, 1.4)):
-        number += 1
-        lines.append(f"{number},object,{x_m},{y_m},20,0.1,0.99,0.005,0.005,{width_m},,,0.001")
-    with open(folder + "/map.csv", "w", encoding="ascii") as file:
-        file.write("\n".join(lines) + "\n")
-    if georeference:
-        with open(folder + "/summary.json", "w", encoding="ascii") as file:
-            json.dump({"georeference": DATUM}, file)
+        lines.append(maps.landmark(len(lines) + 1, x_m, y_m, width_m=width_m, kind="object"))
+    maps.write_map(folder, lines, georeference=DATUM if georeference else None)
 
 
 def drawn(layers, picture=None):

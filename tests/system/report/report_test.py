@@ -13,16 +13,14 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from maps import rows_of  # noqa: E402
+
 
 def orchard(bin_folder, *arguments, code=0):
     result = subprocess.run([os.path.join(bin_folder, "orchard"), *arguments], capture_output=True, text=True)
     assert result.returncode == code, (arguments, result.returncode, result.stderr)
     return result
-
-
-def rows_of(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def bytes_of(path):

@@ -4,7 +4,6 @@
 and play; corrections by two people at once, with undo; at the width of a desk and of a telephone. PICTURES: a folder for
 pictures of what the browser showed."""
 
-import csv
 import gzip
 import json
 import os
@@ -13,15 +12,12 @@ import subprocess
 import sys
 import tempfile
 
-import browser
-from served import Served
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import browser  # noqa: E402
+from maps import rows_of  # noqa: E402
+from served import Served  # noqa: E402
 
 NASTY = "<img src=x onerror='document.title=1'>"
-
-
-def rows_of(path):
-    with open(path, encoding="ascii") as file:
-        return list(csv.DictReader(file))
 
 
 def keep_picture(page, name):

@@ -12,8 +12,10 @@ import subprocess
 import sys
 import tempfile
 
-import browser
-from served import Served
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import browser  # noqa: E402
+import maps  # noqa: E402
+from served import Served  # noqa: E402
 
 NUM_ROWS, NUM_PLACES, ROW_M, TREE_M = 252, 400, 4.0, 2.0
 READY = "return orchardApp.tiles.pending.size === 0 && !orchardApp.isDue"
@@ -21,24 +23,12 @@ READY = "return orchardApp.tiles.pending.size === 0 && !orchardApp.isDue"
 
 def write_map(folder):
     """Rows of trees, planted to 10 cm, driven along every alley."""
-    os.makedirs(folder)
     dice = random.Random(5)
-    with open(folder + "/map.csv", "w", encoding="ascii") as file:
-        file.write("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n")
-        number = 0
-        for row in range(NUM_ROWS):
-            for place in range(NUM_PLACES):
-                number += 1
-                file.write(f"{number},tree,{TREE_M * place + dice.gauss(0, 0.1):.4f},{ROW_M * row + dice.gauss(0, 0.1):.4f},"
-                           f"60,0.9,1,0.005,0.005,{dice.gauss(0.12, 0.01):.4f},{row + 1},{place + 1},0.001\n")
-    with open(folder + "/trajectory.csv", "w", encoding="ascii") as file:
-        file.write("utime_us,x_m,y_m,yaw_rad\n")
-        utime = 1385942400000000
-        for alley in range(NUM_ROWS + 1):
-            for step in range(0, int(TREE_M * NUM_PLACES), 4):
-                x = step if alley % 2 == 0 else TREE_M * NUM_PLACES - step
-                file.write(f"{utime},{x},{ROW_M * (alley - 0.5)},{3.14159 * (alley % 2)}\n")
-                utime += 1000000
+    lines = (maps.landmark(NUM_PLACES * row + place + 1, TREE_M * place + dice.gauss(0, 0.1), ROW_M * row + dice.gauss(0, 0.1), row + 1,
+                           place + 1, dice.gauss(0.12, 0.01), num=60) for row in range(NUM_ROWS) for place in range(NUM_PLACES))
+    length_m = int(TREE_M * NUM_PLACES)
+    maps.write_map(folder, lines, ((step if alley % 2 == 0 else length_m - step, ROW_M * (alley - 0.5), 3.14159 * (alley % 2))
+                                   for alley in range(NUM_ROWS + 1) for step in range(0, length_m, 4)))
 
 
 def trees_of(folder):

@@ -1,0 +1,21 @@
+# cmake -D NAME= -D PROGRAM= -D OUT= -D TIMEOUT= -P suites.cmake: one ctest entry for each suite of a GoogleTest
+# program, NAME.SUITE, into the file OUT. Runs after the program was linked.
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE code)
+if(NOT code EQUAL 0)
+  file(REMOVE ${PROGRAM})
+  message(FATAL_ERROR "${PROGRAM} does not list its tests: ${code}")
+endif()
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\." suites "${listed}")
+set(text)
+foreach(suite IN LISTS suites)
+  string(REGEX REPLACE "[\n.]" "" suite "${suite}")
+  if(suite MATCHES "^Running")
+    continue()
+  endif()
+  string(APPEND text "add_test([=[${NAME}.${suite}]=] [=[${PROGRAM}]=] \"--gtest_filter=${suite}.*\")\n"
+    "set_tests_properties([=[${NAME}.${suite}]=] PROPERTIES TIMEOUT \"${TIMEOUT}\")\n")
+endforeach()
+if(NOT text)
+  message(FATAL_ERROR "${PROGRAM} has no tests")
+endif()
+file(WRITE ${OUT} "${text}")

@@ -14,10 +14,10 @@ namespace orchard::trials {
 
 struct JsonField {
   template <class Number, class = std::enable_if_t<std::is_arithmetic_v<Number>>>
-  JsonField(const char* key, Number value) : key(key), text(of(static_cast<double>(value))) {}
+  JsonField(const char* name, Number value) : key(name), text(of(static_cast<double>(value))) {}
   /// Text without quotes, backslashes and control characters.
-  JsonField(const char* key, const std::string& value) : key(key), text('"' + value + '"') {}
-  JsonField(const char* key, const std::vector<double>& values) : key(key), text("[") {
+  JsonField(const char* name, const std::string& value) : key(name), text('"' + value + '"') {}
+  JsonField(const char* name, const std::vector<double>& values) : key(name), text("[") {
     for (const double value : values) text += (text.size() > 1 ? ", " : "") + of(value);
     text += ']';
   }

@@ -219,9 +219,11 @@ Sides sides_of(const Beams& beams, const Candidate& candidate, const LaserConfig
 
 void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, Arc& arc) {
   const double step_rad = beams.step_rad();
-  arc.ranges_m.clear();
-  arc.cosines.clear();
-  arc.sines.clear();
+  const auto most = static_cast<std::size_t>(candidate.last - candidate.first + 1);
+  for (std::vector<double>* values : {&arc.ranges_m, &arc.cosines, &arc.sines}) {
+    values->resize(most);
+  }
+  std::size_t num = 0;
   // Rotated from beam to beam: cheaper than sin and cos of each; the error is 1e-13 after 1000.
   double c = 1.0, s = 0.0;
   const Direction& step = beams.step();
@@ -232,10 +234,13 @@ void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, 
       s = s * step.c + c * step.s;
       c = turned_c;
     }
-    arc.ranges_m.push_back(beams.range_m(i));
-    arc.cosines.push_back(c);
-    arc.sines.push_back(s);
+    arc.ranges_m[num] = beams.range_m(i);
+    arc.cosines[num] = c;
+    arc.sines[num++] = s;
   });
+  for (std::vector<double>* values : {&arc.ranges_m, &arc.cosines, &arc.sines}) {
+    values->resize(num);
+  }
   const double last = static_cast<double>(candidate.last - candidate.first);
   arc.low_side_rad = -sides.before.beyond_beams * step_rad;
   arc.high_side_rad = (last + sides.after.beyond_beams) * step_rad;

@@ -90,7 +90,9 @@ class RangeSums {
     const Lanes least = tuning::kHuber * tuning::kHuber * variance;
     Lanes weight = fraction;
     // The root of one is one, and few beams are outliers.
-    if ((squared > least).any()) weight *= (least / squared.max(least)).sqrt();
+    if (squared[0] > least[0] || squared[1] > least[1]) {
+      weight *= (least / squared.max(least)).sqrt();
+    }
     weight /= variance;
     const Lanes weighted_range = weight * by_range, weighted_bearing = weight * by_bearing;
     const Lanes weighted_radius = weight * by_radius;

@@ -41,6 +41,7 @@ bool OwnReturns::has_moved(const Scan& scan) const {
     const bool is_apart = geometry::square(was_m - is_m) > kSigmas * kSigmas * sd2_m2;
     ++num;
     if (was_m == 0.0 || is_m == 0.0 || is_apart) ++num_changed;
+    if (2 * num_changed > last_m_.size()) return true;  // whatever the others are
   }
   return 2 * num_changed > num;
 }

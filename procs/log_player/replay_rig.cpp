@@ -64,6 +64,7 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
   const std::string given = io::effective_config(chosen.config);
   std::vector<io::ConfigDifference> of_first;  // the first rig of the log is compared
   for (const bus::LoggedRig& rig : bus::read_logged_rigs(logs)) {
+    if (rig.yaml == given) return chosen;  // as of a log of this release: reading it takes a while
     auto differences = io::config_differences(completed(rig), given);
     if (differences.empty()) return chosen;
     if (of_first.empty()) of_first = std::move(differences);

@@ -54,9 +54,11 @@ template <class Steps>
 std::int64_t expected_lead_us(const Steps& steps, std::size_t num) {
   const std::size_t half = std::min(num, steps.size()) / 2;
   const auto median_from = [&](std::size_t newest) {
-    std::array<std::int64_t, std::tuple_size_v<Steps>> leads_us{};
+    std::array<std::int64_t, std::tuple_size_v<Steps>> leads_us;
+    std::size_t at = (num - 1 - newest) % steps.size();
     for (std::size_t i = 0; i < half; ++i) {
-      leads_us[i] = steps[(num - 1 - newest - i) % steps.size()].lead_us;
+      leads_us[i] = steps[at].lead_us;
+      at = at > 0 ? at - 1 : steps.size() - 1;
     }
     const auto begin = leads_us.begin(), middle = begin + static_cast<std::ptrdiff_t>(half / 2);
     std::nth_element(begin, middle, begin + static_cast<std::ptrdiff_t>(half));
@@ -86,16 +88,17 @@ void SequenceGate::Pace::note(const Stamp& before, const Stamp& stamp) {
   if (!before.arrival_us || !stamp.arrival_us || stamp.seq <= before.seq) return;
   const std::int64_t lead_us = stamp.utime - *stamp.arrival_us;
   const bool is_clock_set =
-      num_ >= kStepsMin && std::abs(lead_us - expected_lead_us(steps_, num_)) > kAheadMax_us;
+      num_ >= kStepsMin && std::abs(lead_us - expected_lead_us_) > kAheadMax_us;
   if (is_clock_set) num_ = 0;
   steps_[num_++ % kRecent] = {lead_us, (stamp.utime - before.utime) / (stamp.seq - before.seq)};
+  if (num_ >= kStepsMin) expected_lead_us_ = bus::expected_lead_us(steps_, num_);
 }
 
-std::int64_t SequenceGate::Pace::median(std::int64_t Step::*of) const {
+std::int64_t SequenceGate::Pace::median_period_us() const {
   std::array<std::int64_t, kRecent> values{};
   const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(num_, kRecent));
   std::transform(steps_.begin(), steps_.begin() + (end - values.begin()), values.begin(),
-                 [of](const Step& step) { return step.*of; });
+                 [](const Step& step) { return step.period_us; });
   const auto middle = values.begin() + (end - values.begin()) / 2;
   std::nth_element(values.begin(), middle, end);
   return *middle;
@@ -105,16 +108,16 @@ bool SequenceGate::Pace::is_early(const Stamp& last, const Stamp& next) const {
   if (!last.arrival_us || !next.arrival_us) return false;
   const std::int64_t lead_us = next.utime - *next.arrival_us;
   if (num_ < kStepsMin) return lead_us - (last.utime - *last.arrival_us) > kAheadMax_us;
-  const std::int64_t period_us = median(&Step::period_us);
-  const std::int64_t few_us =
-      period_us > 0 ? std::min(kNumToConfirm * period_us, kAheadMax_us) : kAheadMax_us;
-  return lead_us - expected_lead_us(steps_, num_) > few_us;
+  const std::int64_t early_us = lead_us - expected_lead_us_;
+  if (early_us <= 0 || early_us > kAheadMax_us) return early_us > 0;  // few messages are between
+  const std::int64_t period_us = median_period_us();
+  return period_us > 0 && early_us > kNumToConfirm * period_us;
 }
 
 bool SequenceGate::Pace::skips(const Stamp& last, const Stamp& next) const {
-  if (num_ < kStepsMin) return false;
   const std::int64_t num_skipped = std::int64_t{next.seq} - last.seq - kNumToConfirm;
-  return num_skipped * median(&Step::period_us) > kRateMax * (next.utime - last.utime);
+  if (num_ < kStepsMin || num_skipped <= 0) return false;
+  return num_skipped * median_period_us() > kRateMax * (next.utime - last.utime);
 }
 
 bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {

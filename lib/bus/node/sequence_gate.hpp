@@ -90,9 +90,10 @@ class SequenceGate {
       std::int64_t lead_us = 0;    ///< utime minus time of arrival
       std::int64_t period_us = 0;  ///< between two messages of the source
     };
-    std::int64_t median(std::int64_t Step::*of) const;
+    std::int64_t median_period_us() const;
     std::array<Step, kRecent> steps_{};
-    std::size_t num_ = 0;  ///< steps since forget()
+    std::size_t num_ = 0;                ///< steps since forget()
+    std::int64_t expected_lead_us_ = 0;  ///< of the next message, from kStepsMin steps on
   };
   struct Seen {
     Stamp stamp;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/store/chunk_allocator.hpp"
+#include "mapping/store/chunked_array.hpp"
 
 namespace orchard::io {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mapping/candidate.hpp"
-#include "mapping/landmark_table.hpp"
+#include "mapping/landmark_record.hpp"
 #include "mapping/mapper_config.hpp"
 
 namespace orchard::mapping {

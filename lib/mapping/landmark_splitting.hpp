@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "mapping/map_state.hpp"
-#include "mapping/map_update.hpp"
 
 namespace orchard::mapping {
 

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "mapping/extent/extent.hpp"
-
-#include "mapping/store/stored_detection.hpp"
+#include "mapping/landmark_record.hpp"
+#include "mapping/store/observation_store.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -126,6 +128,78 @@ std::vector<std::int32_t> MapState::observations_of(std::int32_t index) const {
     all.push_back(k);
   }
   return all;
+}
+
+namespace {
+
+/// Minimum number of judged observations.
+constexpr int kObservationsMin = 10;
+
+}  // namespace
+
+LabelConflicts count_label_conflicts(const MapState& map) {
+  using detection::Label;
+  const TreeRates rates = tree_rates(map.config);
+  // `neither`: fraction of TREE labels with no evidence either way. The votes are split when the
+  // fraction is nearer to it than to the rates of both classes.
+  const double for_tree = std::log(rates.of_trees / rates.of_objects);
+  const double for_object = std::log((1.0 - rates.of_objects) / (1.0 - rates.of_trees));
+  const double neither = for_object / (for_tree + for_object);
+  const double least = 0.5 * (neither + rates.of_objects);
+  const double most = 0.5 * (neither + rates.of_trees);
+  LabelConflicts votes;
+  for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
+    const LandmarkRecord& r = map.landmarks[i];
+    if (r.is_removed || r.num_observations < kObservationsMin) continue;
+    int num_tree = 0, num_judged = 0;
+    for (const std::int32_t k :
+         map.observations.newest_of(r.last_observation, kPositionSamplesMax)) {
+      const auto label = static_cast<Label>(map.observations[k].label);
+      if (label == Label::kUnseen) continue;
+      ++num_judged;
+      if (label == Label::kTree) ++num_tree;
+    }
+    if (num_judged < kObservationsMin || num_tree == 0) continue;
+    ++votes.num_with_tree_label;
+    const double fraction = static_cast<double>(num_tree) / num_judged;
+    if (fraction > least && fraction < most) ++votes.num_conflicting;
+  }
+  return votes;
+}
+
+std::vector<std::int32_t> keep_indices(
+    const std::function<std::vector<std::int32_t>(std::int32_t now)>& then_of, std::int32_t num_now,
+    std::int32_t first_unused) {
+  std::vector<char> is_observed(static_cast<std::size_t>(num_now), 0);
+  std::vector<std::tuple<std::int64_t, std::int32_t, std::int32_t>> votes;  // -count, then, now
+  for (std::int32_t i = 0; i < num_now; ++i) {
+    std::vector<std::int32_t> thens = then_of(i);
+    is_observed[static_cast<std::size_t>(i)] = thens.empty() ? 0 : 1;
+    std::sort(thens.begin(), thens.end());
+    for (std::size_t begin = 0; begin < thens.size();) {
+      std::size_t end = begin;
+      while (end < thens.size() && thens[end] == thens[begin]) ++end;
+      if (thens[begin] >= 0) {
+        votes.emplace_back(-static_cast<std::int64_t>(end - begin), thens[begin], i);
+      }
+      begin = end;
+    }
+  }
+  std::sort(votes.begin(), votes.end());
+
+  std::vector<std::int32_t> kept(static_cast<std::size_t>(num_now), -1);
+  std::vector<char> is_taken(static_cast<std::size_t>(first_unused), 0);
+  for (const auto& [count, then, now] : votes) {
+    std::int32_t& index = kept[static_cast<std::size_t>(now)];
+    char& taken = is_taken[static_cast<std::size_t>(then)];
+    if (index >= 0 || taken != 0) continue;
+    index = then;
+    taken = 1;
+  }
+  for (std::size_t now = 0; now < kept.size(); ++now) {
+    if (kept[now] < 0 && is_observed[now] != 0) kept[now] = first_unused++;
+  }
+  return kept;
 }
 
 }  // namespace orchard::mapping

@@ -3,15 +3,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "mapping/candidate.hpp"
 #include "mapping/landmark.hpp"
-#include "mapping/landmark_table.hpp"
+#include "mapping/landmark_record.hpp"
 #include "mapping/mapper_config.hpp"
-#include "mapping/mode_cache.hpp"
+#include "mapping/position_mode.hpp"
 #include "mapping/store/observation_store.hpp"
 
 namespace orchard::mapping {
@@ -19,6 +20,13 @@ namespace orchard::mapping {
 /// Maximum number of newest observations used for a landmark's position. Bounds the cost per scan
 /// of a robot that stands still for hours.
 inline constexpr std::size_t kPositionSamplesMax = 512;
+
+/// Changes of the map by one scan: ids of new or changed landmarks, and ids removed because they
+/// were merged or no longer exist. Both in ascending order.
+struct MapUpdate {
+  std::vector<std::int32_t> changed_ids;
+  std::vector<std::int32_t> removed_ids;
+};
 
 /// The map under construction: landmarks (id = index + 1), all observations, cached positions.
 struct MapState {
@@ -56,5 +64,25 @@ struct MapState {
   ObservationStore observations;
   ModeCache modes;
 };
+
+/// Landmarks whose observations disagree on the class.
+struct LabelConflicts {
+  int num_conflicting = 0;      ///< landmarks whose fraction of TREE labels supports neither class
+  int num_with_tree_label = 0;  ///< landmarks with at least one TREE label
+};
+
+/// Counts over landmarks with at least ten judged observations; uses the newest 512 of each.
+LabelConflicts count_label_conflicts(const MapState& map);
+
+/// Assigns earlier indices to the landmarks of a rebuilt map. Returns one entry per new index.
+///
+/// `then_of(now)` returns, for each observation of new landmark `now`, the index of its earlier
+/// landmark (-1: none). Pairs of earlier and new landmarks are assigned greedily by the number of
+/// shared observations; ties go to the lower earlier index, then to the lower new one. Each index
+/// is assigned once. Remaining new landmarks get indices from `first_unused` on, in order; those
+/// without observations get -1.
+std::vector<std::int32_t> keep_indices(
+    const std::function<std::vector<std::int32_t>(std::int32_t now)>& then_of, std::int32_t num_now,
+    std::int32_t first_unused);
 
 }  // namespace orchard::mapping

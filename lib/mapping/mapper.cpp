@@ -16,8 +16,7 @@
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
-#include "mapping/rows/id_keeping.hpp"
-#include "mapping/store/stored_detection.hpp"
+#include "mapping/store/observation_store.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,11 +11,10 @@
 #include "detection/detection.hpp"
 #include "mapping/existence/ground_occupancy.hpp"
 #include "mapping/free_space.hpp"
-#include "mapping/label_conflicts.hpp"
 #include "mapping/landmark.hpp"
-#include "mapping/map_update.hpp"
+#include "mapping/map_state.hpp"
 #include "mapping/mapper_config.hpp"
-#include "mapping/store/chunk_allocator.hpp"
+#include "mapping/store/chunked_array.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {

@@ -1,11 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/album/album_config.hpp"
-#include "mapping/existence/existence_config.hpp"
-#include "mapping/rows/rows_config.hpp"
+#include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
+
+/// Configuration of the existence filter, section `mapper.existence`.
+struct ExistenceConfig {
+  bool enabled = true;
+  double period_s = 0.25;    ///< min time between two scans that are used
+  double scan_wait_s = 1.0;  ///< message time that DETECTIONS wait for their SCAN; 0 = not used
+};
+
+template <class Visitor>
+void describe(Visitor& v, ExistenceConfig& c) {
+  v.flag("enabled", c.enabled,
+         "remove landmarks when beams of later scans pass through their position; needs SCAN");
+  v.expert().number("period_s", c.period_s, 0.0, 60.0, "s",
+                    "min time between two scans that are used (message time)");
+  v.expert().number("scan_wait_s", c.scan_wait_s, 0.0, 60.0, "s",
+                    "max time that DETECTIONS wait for their SCAN (message time); 0 = do not use "
+                    "SCAN, no landmark is removed");
+}
+
+/// Configuration of the album, section `mapper.album`.
+struct AlbumConfig {
+  double max_mb = 8.0;  ///< limit on all photographs; 0: none are kept
+};
+
+template <class Visitor>
+void describe(Visitor& v, AlbumConfig& c) {
+  v.expert().number("max_mb", c.max_mb, 0, 1000, "MB",
+                    "max size of all photographs of trees and objects; 0 = no photographs");
+}
 
 /// Source of the class evidence of an observation.
 enum class Evidence {

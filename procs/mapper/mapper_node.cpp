@@ -2,16 +2,16 @@
 #include "mapper/mapper_node.hpp"
 
 #include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
-#include "mapping/deskew.hpp"
-#include "mapping/pose_composition.hpp"
+#include "mapping/candidate.hpp"
+#include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_alignment.hpp"
 #include "timing/units.hpp"
 
@@ -438,6 +438,79 @@ std::string MapperNode::waiting_for() const {
                      timing::seconds(queue_.front_utime(kDetections)),
                      blocker() == kScan ? "their SCAN (sent by a laser driver)"
                                         : "a POSE of that time or later (sent by orchard-pose)");
+}
+
+using mapping::Omission;
+
+mapping::FinishConfig MapperNode::finish_config() const {
+  mapping::FinishConfig config;
+  config.min_observations = config_.min_observations;
+  config.rows = config_.rows;
+  config.has_camera = has_camera_;
+  config.object_width_max_m = object_width_max_m_;
+  return config;
+}
+
+const mapping::FinishedMap& MapperNode::finished() const {
+  if (!finished_) finished_ = mapping::finish(mapper_, finish_config());
+  return *finished_;
+}
+
+std::vector<mapping::Landmark> MapperNode::finished_landmarks() const {
+  if (finished_) return finished_->landmarks;
+  return mapping::finish_without_ways(mapper_, finish_config()).landmarks;
+}
+
+io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
+  const mapping::FinishedMap& map = finished();
+  io::MapFolderContent content;
+  content.landmarks = map.landmarks;
+  content.rows = map.rows;
+  content.graph = map.graph;
+  content.trajectory = track_.poses();
+  content.summary = summary;
+  const auto count = [&](const char* name, Omission reason) {
+    if (const std::size_t num = map.num_omitted(reason); num > 0) {
+      content.summary.counts.emplace_back(name, num);
+    }
+  };
+  count("strays_left_out", Omission::kSpurious);
+  content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
+  content.album_bytes_max = album_.max_bytes();
+  content.georeference = georeference();
+  content.degraded = degradation_.intervals();
+  content.tree_scatter_m = mapper_.tree_scatter_m();
+  return content;
+}
+
+namespace {
+
+/// Interval over which the velocity of base is estimated from its poses.
+constexpr std::int64_t kMotion_us = 200'000;
+
+constexpr double kMotion_s = 1e-6 * static_cast<double>(kMotion_us);
+
+}  // namespace
+
+void MapperNode::photograph(const detection::Detections& detections,
+                            const pose::PoseEstimate& T_map_base) {
+  if (!album_.is_open() || detections.image_utime == 0) return;
+  std::vector<mapping::Subject> subjects;
+  for (const detection::Detection& d : detections.trunks) {
+    subjects.push_back({d.centre_x_m, d.centre_y_m, d.width_m, d.occlusion});
+  }
+  // Use past poses only: the later poses available here depend on the order of arrival.
+  detection::Motion motion;
+  const auto before = track_.at(detections.utime - kMotion_us);
+  if (before && deskews(detections)) {
+    const geometry::Pose2 way =
+        between(geometry::Pose2{before->x_m, before->y_m, before->yaw_rad},
+                geometry::Pose2{T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad});
+    motion.speed_mps = way.x_m / kMotion_s;
+    motion.yaw_rate_radps = way.yaw_rad / kMotion_s;
+  }
+  album_.add_scan(detections.utime, detections.image_utime, T_map_base, motion,
+                  std::move(subjects));
 }
 
 }  // namespace orchard::procs

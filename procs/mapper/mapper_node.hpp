@@ -11,7 +11,6 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
-#include "mapper/beam_times.hpp"
 #include "mapper/degradation.hpp"
 #include "mapping/album/album.hpp"
 #include "mapping/finish/finish.hpp"

@@ -1,14 +1,288 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/mapper_process.hpp"
 
+#include <fmt/core.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
-
+#include <filesystem>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
+#include "bus/messages/codec.hpp"
+#include "bus/node/process_options.hpp"
+#include "io/atomic_file.hpp"
+#include "io/file_chunk_allocator.hpp"
 #include "io/file_error.hpp"
-#include "mapper/journaled_mapper.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/map/map_folder.hpp"
 
 namespace orchard::procs {
+namespace {
+
+/// Max number of landmarks for saving the whole folder in a running process. Drawing more takes
+/// over 0.1 s, during which the node waits; these are drawn at the end.
+constexpr std::size_t kDrawnLiveMax = 3000;
+
+/// One save of map.csv is passed over per this many landmarks: finishing a large map takes long.
+constexpr std::size_t kSavedEachTime = 1000;
+
+}  // namespace
+
+void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
+  if (folder_.empty()) return;
+  // The first save writes all files while the map is still small, so that users find every file.
+  const bool live = request.kind != bus::SaveKind::kFinal;
+  const bool quick =
+      request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMax;
+  if (live && quick && !saved_table_.empty()) {
+    if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return;
+    num_passed_over_ = 0;
+    save_table(mapper.finished_landmarks());
+  } else {
+    save_folder(mapper, request.traffic);
+  }
+}
+
+void MapSaver::begin_new_map() {
+  saved_table_.clear();
+  num_passed_over_ = 0;
+}
+
+void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
+  std::string table = io::map_csv(landmarks);
+  if (table == saved_table_) return;
+  io::write_file_atomically((std::filesystem::path(folder_) / "map.csv").string(), table);
+  saved_table_ = std::move(table);
+}
+
+void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) {
+  io::MapSummary summary;
+  summary.source = "live";
+  summary.config_hash = config_hash_;
+  summary.version = bus::version();
+  summary.counts = bus::named_counts(traffic, {&mapper});
+  summary.warnings = notes_;
+  if (std::string warning = mapper.warning(); !warning.empty()) {
+    summary.warnings.push_back(std::move(warning));
+  }
+  io::MapFolderContent content = mapper.content(summary);
+  if (!content.trajectory.empty()) {
+    content.summary.first_utime = content.trajectory.front().utime;
+    content.summary.last_utime = content.trajectory.back().utime;
+  }
+  std::error_code ignored;  // the write below reports it
+  std::filesystem::create_directories(folder_, ignored);
+  save_table(content.landmarks);
+  io::write_map_folder(folder_, content);
+  saved_table_ = io::map_csv(content.landmarks);
+  // The content of a long drive takes tens of megabytes, which the allocator would keep.
+  content = {};
+  ::malloc_trim(0);
+}
+
+namespace {
+
+/// Record kind of a flush; the others are channel numbers.
+constexpr std::uint8_t kFlushRecord = 255;
+
+/// Disk space that the journal leaves for the map's own files.
+constexpr std::uint64_t kReserved_bytes = 4u << 20;
+
+/// Max number of earlier maps in STATUS; the log has all.
+constexpr std::size_t kNotesMax = 10;
+
+/// Files of a program that kept only the inputs since a snapshot of its state in the journal.
+constexpr const char* kSnapshotName = "mapper.snapshot";
+constexpr const char* kChunksName = "mapper.chunks";
+
+/// Number of replayed records between two calls of on_progress(): some hundredths of a second.
+constexpr std::int64_t kProgressPeriod = 500;
+
+/// True if the frame of the poses survives a restart of orchard-pose: it is given from outside, not
+/// by the robot's start.
+bool frame_is_given(const pose::PoseConfig& config) {
+  switch (config.mode) {
+    case pose::PoseMode::kOdometry:
+    case pose::PoseMode::kSlam:
+      return false;
+    case pose::PoseMode::kFused:
+      return config.gnss.datum != std::array<double, 3>{};
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_hash,
+                                 io::MapFolderLock& place)
+    : config_(config), config_hash_(config_hash), place_(place) {
+  make_mapper();
+}
+
+void JournaledMapper::make_mapper() {
+  mapper_ = std::make_unique<MapperNode>(config_,
+                                         std::make_shared<io::FileChunkAllocator>(place_.folder()));
+  last_pose_.reset();
+  num_replayed_.fill(0);
+}
+
+void JournaledMapper::start(const std::function<void()>& on_progress) {
+  try {
+    const std::string why_not = resume(on_progress);
+    if (!why_not.empty()) begin_new_map(why_not);
+  } catch (const io::FileError& error) {  // a failure to write, not a bad input file
+    throw std::runtime_error(error.what());
+  }
+}
+
+/// Resumes the map in the folder. Returns "" or the reason why it cannot.
+std::string JournaledMapper::resume(const std::function<void()>& on_progress) {
+  using State = io::JournalReading::State;
+  const std::string path = place_.file(kJournalName);
+  if (std::filesystem::exists(place_.file(kSnapshotName))) {
+    return "an earlier version of this program saved its state in " + std::string(kSnapshotName);
+  }
+  const io::JournalReading reading = replay(on_progress);
+  switch (reading.state) {
+    case State::kOtherMaker:
+      return "it was made with another configuration";
+    case State::kDamaged:
+      return "its journal is damaged: " + reading.reason;
+    case State::kAbsent:
+      return "it has no journal";
+    case State::kWhole:
+      break;
+  }
+  if (reading.num_torn_bytes > 0) {
+    spdlog::warn("{}: ignored {} bytes of an interrupted write at the end", path,
+                 reading.num_torn_bytes);
+  }
+  if (reading.num_missing > 0) {
+    add_note(
+        fmt::format("{} messages came while the disk was full and are not in {}: after the "
+                    "restart the map lacks what they showed",
+                    reading.num_missing, path));
+  }
+  journal_ = std::make_unique<io::Journal>(path, config_hash_, reading.num_good_bytes);
+  if (reading.num_records > 0) {
+    spdlog::info("resuming the map in {}: {} landmarks, {} messages of the journal replayed",
+                 place_.folder(), mapper_->num_landmarks(), reading.num_records);
+  }
+  return {};
+}
+
+io::JournalReading JournaledMapper::replay(const std::function<void()>& on_progress) {
+  const std::string path = place_.file(kJournalName);
+  std::int64_t num = 0, num_refused = 0;
+  const io::JournalReading reading =
+      io::read_journal(path, config_hash_, [&](std::uint8_t kind, std::string_view bytes) {
+        if (!take_in(kind, bytes)) ++num_refused;
+        if (++num % kProgressPeriod == 0 && on_progress) on_progress();
+      });
+  if (num_refused > 0)
+    spdlog::warn("{}: {} messages in it are invalid and were ignored", path, num_refused);
+  return reading;
+}
+
+/// Handles a record of the journal again; false if it is invalid.
+bool JournaledMapper::take_in(std::uint8_t kind, std::string_view bytes) {
+  const bus::Outbox nowhere = [](const bus::Message&) {};
+  if (kind == kFlushRecord) {
+    mapper_->flush(nowhere);
+    return true;
+  }
+  const auto channel = static_cast<bus::Channel>(kind);
+  if (kind >= bus::kNumChannels || bus::info(channel).role == bus::Role::kService) return false;
+  const auto decoded = bus::decode(channel, bytes.data(), bytes.size());
+  const auto* message = std::get_if<bus::Message>(&decoded);
+  if (message == nullptr) return false;
+  ++num_replayed_[kind];
+  if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) note_pose(*pose);
+  mapper_->handle(*message, nowhere);
+  return true;
+}
+
+void JournaledMapper::begin_new_map(const std::string& why) {
+  journal_.reset();
+  const std::string aside = place_.set_aside({kJournalName, kSnapshotName, kChunksName});
+  if (!aside.empty()) {
+    std::string note = fmt::format(
+        "the earlier map in {} cannot be resumed: {}. A new map was started; the earlier one was "
+        "moved to {}",
+        place_.folder(), why, aside);
+    spdlog::warn("{}", note);
+    add_note(std::move(note));
+  }
+  make_mapper();
+  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), config_hash_, 0);
+}
+
+void JournaledMapper::add_note(std::string note) {
+  if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
+}
+
+void JournaledMapper::note_pose(const pose::PoseEstimate& pose) {
+  if (!last_pose_ || pose.utime > last_pose_->utime) last_pose_ = pose;
+}
+
+void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send) {
+  if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
+    // Reordered messages have an earlier utime; a later utime with a lower seq comes from a new
+    // process.
+    const bool is_anew =
+        last_pose_ && pose->utime > last_pose_->utime && pose->seq < last_pose_->seq;
+    if (is_anew && !frame_is_given(config_.pose)) {
+      if (before_new_map_) before_new_map_(*mapper_);
+      journal_->commit();
+      begin_new_map("orchard-pose was restarted and its frame has another origin");
+    } else if (is_anew) {
+      spdlog::info("orchard-pose was restarted; its frame is unchanged, and the map is continued");
+    }
+    note_pose(*pose);
+  }
+  const std::vector<std::uint8_t> bytes = journal_bytes(input);
+  journal_->add(static_cast<std::uint8_t>(bus::channel_of(input)), bytes.data(), bytes.size());
+  mapper_->handle(input, send);
+}
+
+/// Encodes a message for the journal. A scan of which the mapper uses only the time is cut to one
+/// beam, an unused picture to one pixel.
+std::vector<std::uint8_t> JournaledMapper::journal_bytes(const bus::Message& input) const {
+  const auto* image = std::get_if<vision::Image>(&input);
+  if (image != nullptr && !mapper_->keeps_picture_of(image->utime)) {
+    return bus::encode(
+        vision::Image{image->utime, image->seq, 1, 1, vision::Encoding::kGray8, {0}});
+  }
+  const auto* scan = std::get_if<laser::Scan>(&input);
+  if (scan == nullptr) return bus::encode(input);
+  laser::Scan kept = *scan;
+  kept.intensities.clear();
+  if (!mapper_->keeps_beams_of(scan->utime) && !kept.ranges_m.empty()) kept.ranges_m.resize(1);
+  return bus::encode(kept);
+}
+
+void JournaledMapper::flush(const bus::Outbox& send) {
+  journal_->add(kFlushRecord, nullptr, 0);
+  mapper_->flush(send);
+}
+
+void JournaledMapper::commit() {
+  if (place_.free_bytes() < kReserved_bytes) {
+    throw io::FileError(
+        fmt::format("{}: less than {} MB are free on the disk, so the journal is stopped: a "
+                    "restarted mapper would lose all later messages; free disk space",
+                    place_.file(kJournalName), kReserved_bytes >> 20));
+  }
+  journal_->commit();
+}
+
+std::string JournaledMapper::warning() const {
+  std::string warning = mapper_->warning();
+  if (!notes_.empty()) warning += (warning.empty() ? "" : "; ") + notes_.back();
+  return warning;
+}
 
 std::unique_ptr<bus::Node> MapperProcess::make_node(const io::Config& config,
                                                     std::int64_t config_hash,

@@ -1,16 +1,117 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
 #include "io/config/config.hpp"
+#include "io/journal.hpp"
 #include "io/map/map_folder_lock.hpp"
-#include "mapper/map_saver.hpp"
+#include "mapper/mapper_node.hpp"
 
 namespace orchard::procs {
+
+/// Writes the files of a mapper process, always of the finished map: map.csv when the map has
+/// changed, of a large map less often, and the whole folder when there is time and at the end.
+class MapSaver {
+ public:
+  /// With an empty `folder` nothing is saved.
+  MapSaver(std::string folder, std::int64_t config_hash)
+      : folder_(std::move(folder)), config_hash_(config_hash) {}
+
+  /// Saves map.csv first, since it fits on a disk where the others do not. Throws io::FileError and
+  /// then leaves all other files as they were.
+  void save(const MapperNode& mapper, const bus::SaveRequest& request);
+
+  /// Sets warnings for summary.json in addition to the mapper's own.
+  void set_notes(std::vector<std::string> notes) { notes_ = std::move(notes); }
+
+  /// Forgets the saved map: the next save is of another one.
+  void begin_new_map();
+
+ private:
+  void save_table(const std::vector<mapping::Landmark>& landmarks);
+  void save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic);
+
+  std::string folder_;
+  std::int64_t config_hash_;
+  std::vector<std::string> notes_;
+  std::string saved_table_;          ///< content of map.csv in the folder; empty: unknown
+  std::size_t num_passed_over_ = 0;  ///< saves of map.csv since the last
+};
+
+/// A mapper that can resume its map after a restart: beside the map it keeps a journal of all its
+/// inputs, and start() replays it. The map is a function of its inputs, so it continues exactly as
+/// without the restart, with the same ids.
+///
+/// A map without a journal, of another configuration or with a damaged journal is not continued: it
+/// is set aside. So is a map whose frame ended because orchard-pose restarted in a mode with its
+/// own origin. STATUS and summary.json report it.
+class JournaledMapper : public bus::Node {
+ public:
+  static constexpr const char* kJournalName = "mapper.journal";
+
+  /// A mapper for the map in `place`, which must outlive this; it begins with start().
+  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapFolderLock& place);
+
+  std::string_view name() const override { return mapper_->name(); }
+  std::vector<bus::Channel> inputs() const override { return mapper_->inputs(); }
+  bus::InputNeed need_of(bus::Channel channel) const override { return mapper_->need_of(channel); }
+  void start(const std::function<void()>& on_progress) override;
+  void handle(const bus::Message& input, const bus::Outbox& send) override;
+  void flush(const bus::Outbox& send) override;
+  bus::NodeCounts counts() const override { return mapper_->counts(); }
+  std::string waiting_for() const override { return mapper_->waiting_for(); }
+  std::string warning() const override;
+
+  /// Writes the inputs since the last call to the journal. Throws io::FileError when they cannot be
+  /// written, or when they would take the disk space reserved for the map.
+  void commit();
+
+  /// Sets a function to be called before a map is set aside, so that its files can be saved in
+  /// their last state.
+  void before_new_map(std::function<void(const MapperNode&)> hook) {
+    before_new_map_ = std::move(hook);
+  }
+
+  const MapperNode& mapper() const { return *mapper_; }
+
+  /// Number of inputs restored from earlier processes, by channel.
+  const std::array<std::int64_t, bus::kNumChannels>& num_replayed() const { return num_replayed_; }
+
+  /// One sentence for each earlier map that was set aside, and for what this one lacks.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  std::string resume(const std::function<void()>& on_progress);
+  io::JournalReading replay(const std::function<void()>& on_progress);
+  bool take_in(std::uint8_t kind, std::string_view bytes);
+  void begin_new_map(const std::string& why);
+  void make_mapper();
+  void add_note(std::string note);
+  void note_pose(const pose::PoseEstimate& pose);
+  std::vector<std::uint8_t> journal_bytes(const bus::Message& input) const;
+
+  io::Config config_;
+  std::int64_t config_hash_;
+  io::MapFolderLock& place_;
+  std::unique_ptr<MapperNode> mapper_;
+  std::unique_ptr<io::Journal> journal_;  ///< from start() on
+  std::function<void(const MapperNode&)> before_new_map_;
+  std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
+  std::optional<pose::PoseEstimate> last_pose_;
+  std::vector<std::string> notes_;
+};
 
 /// The file side of a mapper process: the folder of its map, its journal and its saves.
 class MapperProcess {

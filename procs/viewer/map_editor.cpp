@@ -9,7 +9,7 @@
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/map_edit.hpp"
-#include "mapping/corrections/correction_words.hpp"
+#include "mapping/corrections/apply_corrections.hpp"
 #include "text/number_text.hpp"
 #include "view/map_data.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "mapping/rows/navigation_graph.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 #include "mapping/rows/rows.hpp"
 #include "view/map_data.hpp"
 

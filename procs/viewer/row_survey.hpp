@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "mapping/rows/rows_config.hpp"
+#include "mapping/rows/rows.hpp"
 #include "viewer/map_editor.hpp"
 #include "viewer/shared_live_state.hpp"
 

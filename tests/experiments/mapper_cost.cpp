@@ -20,8 +20,7 @@
 #include "io/config/config.hpp"
 #include "io/log/log_series.hpp"
 #include "io/map/map_csv.hpp"
-#include "mapper/journaled_mapper.hpp"
-#include "mapper/map_saver.hpp"
+#include "mapper/mapper_process.hpp"
 
 namespace {
 

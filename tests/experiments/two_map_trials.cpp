@@ -14,10 +14,9 @@
 
 #include "experiments/json_line.hpp"
 #include "geometry/rigid_fit2.hpp"
-#include "mapping/compare/detection_map.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "mapping/compare/map_merging.hpp"
-#include "mapping/compare/number_keeping.hpp"
+#include "mapping/compare/visibility.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::trials {

@@ -8,9 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "mapping/deskew.hpp"
-#include "mapping/extent/long_objects.hpp"
-#include "mapping/pose_composition.hpp"
+#include "mapping/candidate.hpp"
+#include "mapping/extent/extent.hpp"
 #include "mapping/pose_track.hpp"
 
 namespace orchard::calibration {

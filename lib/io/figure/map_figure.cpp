@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "io/figure/label_placement.hpp"
-#include "mapping/extent/outline.hpp"
+#include "mapping/extent/extent.hpp"
 
 namespace orchard::io {
 namespace {

@@ -8,7 +8,7 @@
 #include "geometry/angles.hpp"
 #include "io/gis/geopackage.hpp"
 #include "io/gis/qgis_style.hpp"
-#include "mapping/extent/outline.hpp"
+#include "mapping/extent/extent.hpp"
 
 namespace orchard::io {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "io/file_error.hpp"
 #include "io/gis/plan_features.hpp"
-#include "mapping/plan/plan_building.hpp"
+#include "mapping/plan/orchard_plan.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {

@@ -6,7 +6,7 @@
 
 #include "io/file_error.hpp"
 #include "io/gis/csv_field.hpp"
-#include "mapping/plan/plan_building.hpp"
+#include "mapping/plan/orchard_plan.hpp"
 
 namespace orchard::io {
 namespace {

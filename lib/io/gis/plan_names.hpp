@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/plan/plan_numbers.hpp"
+#include "mapping/plan/plan_match.hpp"
 
 namespace orchard::io {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/album/photograph.hpp"
+#include "mapping/album/album.hpp"
 
 namespace orchard::io {
 

@@ -7,7 +7,7 @@
 
 #include "io/map/corrections_file.hpp"
 #include "mapping/rows/navigation_graph.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::io {
 namespace {

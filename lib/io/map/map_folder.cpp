@@ -16,7 +16,7 @@
 #include "io/map/map_tile_files.hpp"
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
-#include "mapping/album/choose_photographs.hpp"
+#include "mapping/album/album.hpp"
 #include "text/date_text.hpp"
 
 namespace orchard::io {

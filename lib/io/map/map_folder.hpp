@@ -9,8 +9,8 @@
 
 #include "geometry/georeference.hpp"
 #include "io/map/map_csv.hpp"
-#include "mapping/album/photograph.hpp"
-#include "mapping/compare/visibility_grid.hpp"
+#include "mapping/album/album.hpp"
+#include "mapping/compare/visibility.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"

@@ -8,7 +8,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/stored_map.hpp"
-#include "mapping/compare/detection_map.hpp"
+#include "mapping/compare/visibility.hpp"
 
 namespace orchard::io {
 

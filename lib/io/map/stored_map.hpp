@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/georeference.hpp"
-#include "mapping/compare/visibility_grid.hpp"
+#include "mapping/compare/visibility.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "pose/pose_estimate.hpp"

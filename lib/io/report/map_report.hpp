@@ -12,7 +12,6 @@
 #include "io/report/report_texts.hpp"
 #include "io/report/summary_facts.hpp"
 #include "mapping/compare/map_comparison.hpp"
-#include "mapping/inventory/growth.hpp"
 #include "mapping/inventory/inventory.hpp"
 
 namespace orchard::io {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -8,12 +9,76 @@
 
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"
-#include "mapping/album/album_config.hpp"
-#include "mapping/album/photograph.hpp"
+#include "mapping/landmark.hpp"
+#include "mapping/mapper_config.hpp"
 #include "pose/pose_estimate.hpp"
+#include "vision/decode.hpp"
 #include "vision/image.hpp"
+#include "vision/pixel_block.hpp"
 
 namespace orchard::mapping {
+
+/// An object in a scan that may be photographed (base frame at the scan's time).
+struct Subject {
+  double x_base_m = 0.0;  ///< of its axis
+  double y_base_m = 0.0;
+  double width_m = 0.0;
+  std::int8_t occlusion = 0;  ///< bits of detection::Occlusion
+};
+
+/// The best photograph of an object in one passing.
+struct Photograph {
+  std::int64_t scan_utime = 0;   ///< of the scan, whose pose places the subject
+  std::int64_t image_utime = 0;  ///< of the image it was cut out of
+  vision::PixelRect frame;       ///< region in that image
+  Subject subject;
+  double quality = 0.0;
+  std::vector<std::uint8_t> jpeg;
+};
+
+/// A photograph with the position of its subject, by the current poses.
+struct PlacedPhotograph {
+  Photograph photograph;
+  double x_m = 0.0;
+  double y_m = 0.0;
+};
+
+/// A landmark and its photograph.
+struct AlbumEntry {
+  std::int32_t landmark_id = 0;
+  const Photograph* photograph = nullptr;
+};
+
+/// Location of a subject in an image.
+struct Framing {
+  vision::PixelRect frame;  ///< region to cut out, centred on the subject's axis
+  vision::PixelRect trunk;  ///< region of its surface used for the sharpness
+  double px_per_m = 0.0;
+  double fraction = 1.0;   ///< fraction of the wanted frame inside the image, in (0, 1]
+  bool is_hidden = false;  ///< partly hidden by a nearer object
+};
+
+/// Framings of all subjects of a scan in an image exposed `dt_s` after the scan, with `motion` of
+/// base between. The frame is empty for subjects outside the image, too small, or with their axis
+/// hidden by a nearer subject.
+std::vector<Framing> frame_subjects(const std::vector<Subject>& subjects, const detection::Rig& rig,
+                                    const detection::Motion& motion, double dt_s);
+
+/// Quality of a framing: details per metre of the subject's surface (sharpness x pixels per metre),
+/// reduced by over- and underexposure, cropping and occlusion. 0: unusable.
+double quality(const Framing& framing, vision::PictureReader& picture);
+
+/// The frame as a JPEG of at most kPhotoWidthMax_px columns; empty if the image cannot be decoded.
+std::vector<std::uint8_t> cropped_jpeg(const Framing& framing, vision::PictureReader& picture);
+
+inline constexpr int kPhotoWidthMax_px = 240;
+
+/// Selects the best photograph of each landmark; photographs belong to the nearest landmark.
+/// Returned in order of id. Photographs beyond `max_bytes` are left out: first those of objects,
+/// then those of least worth.
+std::vector<AlbumEntry> choose_photographs(const std::vector<Landmark>& landmarks,
+                                           const std::vector<PlacedPhotograph>& photographs,
+                                           std::size_t max_bytes);
 
 /// Keeps the sharpest unoccluded view of every object in scans with images, in bounded memory.
 ///

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "geometry/pose2.hpp"
-#include "mapping/compare/detection_map.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/compare/visibility.hpp"
 
 namespace orchard::mapping {
 

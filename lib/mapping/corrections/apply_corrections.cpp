@@ -2,11 +2,13 @@
 #include "mapping/corrections/apply_corrections.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
 #include "detection/detection.hpp"
 #include "geometry/point_grid.hpp"
+#include "geometry/statistics.hpp"
 #include "mapping/compare/map_merging.hpp"
 #include "text/number_text.hpp"
 
@@ -358,6 +360,210 @@ CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int3
   CorrectedMap map = applier.finish();
   map.results = std::move(results);
   return map;
+}
+
+std::string correction_words(const Correction& c) {
+  std::string words = correction_word(c.kind);
+  for (const auto& target : c.targets) words += " " + std::to_string(target.id);
+  if (c.of != 0) words += " " + std::to_string(c.of);
+  if (c.new_id != 0) words += " new " + std::to_string(c.new_id);
+  if (c.kind == CorrectionKind::kClass) {
+    words += std::string(" ") + detection::label_text(c.label);
+  }
+  const bool is_row = c.kind == CorrectionKind::kRowName;
+  if (c.row != 0) words += (is_row ? " " : " row ") + std::to_string(c.row);
+  if (c.position != 0) words += " tree " + std::to_string(c.position);
+  if (!c.name.empty()) words += " \"" + c.name + "\"";
+  for (const auto& p : c.places_map) {
+    words += " at " + fixed_text(p.x(), 2) + " " + fixed_text(p.y(), 2);
+  }
+  return words;
+}
+
+const char* outcome_word(CorrectionOutcome outcome) {
+  switch (outcome) {
+    case CorrectionOutcome::kApplied:
+      return "applied";
+    case CorrectionOutcome::kByPlace:
+      return "by place";
+    case CorrectionOutcome::kSatisfied:
+      return "already so";
+    case CorrectionOutcome::kConflict:
+      return "conflict";
+    case CorrectionOutcome::kUndone:
+      break;
+  }
+  return "undone";
+}
+
+namespace {
+
+/// Stacks of undo and redo.
+struct History {
+  std::vector<std::int32_t> done;    ///< numbers of corrections that hold; the last is undone first
+  std::vector<std::int32_t> undone;  ///< numbers of undone corrections; the last is redone first
+};
+
+bool take(std::vector<std::int32_t>& numbers, std::int32_t number) {
+  const auto found = std::find(numbers.rbegin(), numbers.rend(), number);
+  if (found == numbers.rend()) return false;
+  numbers.erase(std::next(found).base());
+  return true;
+}
+
+History history_of(const std::vector<Correction>& corrections) {
+  History history;
+  for (const Correction& c : corrections) {
+    if (c.kind == CorrectionKind::kUndo) {
+      if (take(history.done, c.of)) history.undone.push_back(c.of);
+    } else if (c.kind == CorrectionKind::kRedo) {
+      if (take(history.undone, c.of)) history.done.push_back(c.of);
+    } else {
+      history.done.push_back(c.number);
+    }
+  }
+  return history;
+}
+
+}  // namespace
+
+const char* correction_word(CorrectionKind kind) {
+  switch (kind) {
+    case CorrectionKind::kDelete:
+      return "delete";
+    case CorrectionKind::kAdd:
+      return "add";
+    case CorrectionKind::kMove:
+      return "move";
+    case CorrectionKind::kClass:
+      return "class";
+    case CorrectionKind::kMerge:
+      return "merge";
+    case CorrectionKind::kSplit:
+      return "split";
+    case CorrectionKind::kRowName:
+      return "row";
+    case CorrectionKind::kRenumber:
+      return "renumber";
+    case CorrectionKind::kNote:
+      return "note";
+    case CorrectionKind::kUndo:
+      return "undo";
+    case CorrectionKind::kRedo:
+      break;
+  }
+  return "redo";
+}
+
+std::vector<bool> corrections_that_hold(const std::vector<Correction>& corrections) {
+  std::map<std::int32_t, bool> holds;
+  for (const std::int32_t number : history_of(corrections).done) holds[number] = true;
+  std::vector<bool> flags;
+  for (const Correction& c : corrections) flags.push_back(holds.count(c.number) != 0);
+  return flags;
+}
+
+std::int32_t last_to_undo(const std::vector<Correction>& corrections) {
+  const History history = history_of(corrections);
+  return history.done.empty() ? 0 : history.done.back();
+}
+
+std::int32_t last_to_redo(const std::vector<Correction>& corrections) {
+  std::vector<std::int32_t> undone;
+  for (const Correction& c : corrections) {
+    if (c.kind == CorrectionKind::kUndo) {
+      undone.push_back(c.of);
+    } else if (c.kind == CorrectionKind::kRedo) {
+      take(undone, c.of);
+    } else {
+      undone.clear();
+    }
+  }
+  return undone.empty() ? 0 : undone.back();
+}
+
+namespace {
+
+using geometry::Pose2;
+
+/// Local deformation of the new map against the rigid alignment, from landmarks known in both.
+class Bend {
+ public:
+  Bend(const std::vector<Landmark>& earlier, const std::vector<Landmark>& now,
+       const Pose2& T_earlier_now)
+      : T_earlier_now_(T_earlier_now), known_(known_of(earlier, now)) {}
+
+  Vector2d now(const Vector2d& p_earlier) const {
+    constexpr std::size_t kNumNeighbours = 9;
+    constexpr double kReach_m = 25.0;
+    std::vector<double> x_m, y_m;
+    for (const std::int32_t i : known_.nearest_few(p_earlier, kReach_m, kNumNeighbours)) {
+      const Vector2d shift_m = shifts_m_[static_cast<std::size_t>(i)];
+      x_m.push_back(shift_m.x());
+      y_m.push_back(shift_m.y());
+    }
+    Vector2d p = inverse_transform(T_earlier_now_, p_earlier);
+    if (!x_m.empty()) p += Vector2d(geometry::median(x_m), geometry::median(y_m));
+    return p;
+  }
+
+ private:
+  geometry::IndexedPoints known_of(const std::vector<Landmark>& earlier,
+                                   const std::vector<Landmark>& now) {
+    std::map<std::int32_t, Vector2d> places_now;
+    for (const Landmark& l : now) places_now[l.id] = {l.x_m, l.y_m};
+    std::vector<Vector2d> places;
+    for (const Landmark& l : earlier) {
+      const auto found = places_now.find(l.id);
+      if (found == places_now.end()) continue;
+      const Vector2d p_earlier(l.x_m, l.y_m);
+      places.push_back(p_earlier);
+      shifts_m_.push_back(found->second - inverse_transform(T_earlier_now_, p_earlier));
+    }
+    return geometry::IndexedPoints(std::move(places));
+  }
+
+  Pose2 T_earlier_now_;
+  std::vector<Vector2d> shifts_m_;
+  geometry::IndexedPoints known_;
+};
+
+}  // namespace
+
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& earlier,
+                                      const std::vector<Landmark>& corrected) {
+  std::map<std::int32_t, bool> is_mapped;
+  for (const Landmark& l : earlier) is_mapped[l.id] = true;
+  std::vector<Landmark> known = earlier;
+  for (const Landmark& l : corrected) {
+    if (is_mapped.count(l.id) == 0) known.push_back(l);
+  }
+  return known;
+}
+
+std::vector<Correction> carry_corrections(const std::vector<Correction>& corrections,
+                                          const std::vector<Landmark>& earlier,
+                                          const std::vector<Landmark>& now,
+                                          const Pose2& T_earlier_now) {
+  const Bend bend(earlier, now, T_earlier_now);
+  std::map<std::int32_t, const Landmark*> then, found_again;
+  for (const Landmark& l : earlier) then[l.id] = &l;
+  for (const Landmark& l : now) found_again[l.id] = &l;
+  std::vector<Correction> carried = corrections;
+  for (Correction& c : carried) {
+    for (CorrectionTarget& target : c.targets) {
+      constexpr double kSame_m = 0.002;  // files are rounded to 0.1 mm
+      const auto before = then.find(target.id);
+      const auto after = found_again.find(target.id);
+      const bool is_as_mapped =
+          before != then.end() && after != found_again.end() &&
+          (Vector2d(before->second->x_m, before->second->y_m) - target.p_map).norm() < kSame_m;
+      target.p_map =
+          is_as_mapped ? Vector2d(after->second->x_m, after->second->y_m) : bend.now(target.p_map);
+    }
+    for (Vector2d& p : c.places_map) p = bend.now(p);
+  }
+  return carried;
 }
 
 }  // namespace orchard::mapping

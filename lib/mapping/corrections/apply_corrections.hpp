@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/pose2.hpp"
 #include "mapping/corrections/correction.hpp"
 #include "mapping/landmark.hpp"
 
@@ -61,5 +62,28 @@ std::int32_t last_to_undo(const std::vector<Correction>& corrections);
 
 /// Number of the correction undone last, if nothing was corrected since; 0 for none.
 std::int32_t last_to_redo(const std::vector<Correction>& corrections);
+
+/// Describes a correction for people: `delete 17`, `row 3 "north"`, `move 4 at 1.50 2.00`. Contains
+/// names as people entered them, unescaped.
+std::string correction_words(const Correction& correction);
+
+/// Text of an outcome: "applied", "by place", "already so", "conflict", "undone".
+const char* outcome_word(CorrectionOutcome outcome);
+
+/// Landmarks used to keep ids when the earlier map was corrected: all landmarks of the earlier run,
+/// then those added by people (from `corrected`). A tree that was missed earlier and is seen now
+/// thus gets the id that people gave it.
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& earlier,
+                                      const std::vector<Landmark>& corrected);
+
+/// Converts corrections of an earlier map for a new map of the same orchard, whose ids are kept
+/// (keep_ids()) and which is aligned to the earlier one by `T_earlier_now`.
+///
+/// Positions are transformed by the alignment plus the local deformation of the known landmarks
+/// around them.
+std::vector<Correction> carry_corrections(const std::vector<Correction>& corrections,
+                                          const std::vector<Landmark>& earlier,
+                                          const std::vector<Landmark>& now,
+                                          const geometry::Pose2& T_earlier_now);
 
 }  // namespace orchard::mapping

@@ -7,7 +7,7 @@
 
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
-#include "mapping/existence/existence_odds.hpp"
+#include "mapping/existence/existence.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
 

@@ -5,10 +5,9 @@
 #include <set>
 #include <utility>
 
-#include "mapping/compare/number_keeping.hpp"
-#include "mapping/extent/long_objects.hpp"
-#include "mapping/extent/stem_scatter.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/compare/map_merging.hpp"
+#include "mapping/extent/extent.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/finish/finished_map.hpp"
+#include "mapping/finish/finish.hpp"
 
 namespace orchard::mapping {
 

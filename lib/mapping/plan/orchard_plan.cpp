@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/plan/orchard_plan.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/rows/rows.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::mapping {
 
@@ -87,6 +94,206 @@ double typical_alley_m(const OrchardPlan& plan) {
     }
   }
   return geometry::median(std::move(alleys_m));
+}
+
+namespace {
+
+constexpr double kOnePlace_m = 0.1;         ///< min distance of planted trees
+constexpr std::size_t kNumProblemsMax = 8;  ///< max number of reported problems
+
+Vector2d main_direction(const std::vector<PlannedTree>& trees) {
+  Vector2d mean(0.0, 0.0);
+  for (const PlannedTree& t : trees) mean += t.p_plan / static_cast<double>(trees.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const PlannedTree& t : trees) {
+    spread += (t.p_plan - mean) * (t.p_plan - mean).transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(spread);
+  return axes.eigenvectors().col(1);
+}
+
+void sort_along(PlannedRow& row) {
+  auto& trees = row.trees;
+  if (std::all_of(trees.begin(), trees.end(),
+                  [](const PlannedTree& t) { return number_in_name(t.name) > 0; })) {
+    std::stable_sort(trees.begin(), trees.end(), [](const PlannedTree& a, const PlannedTree& b) {
+      return number_in_name(a.name) < number_in_name(b.name);
+    });
+    return;
+  }
+  if (trees.size() < 2) return;
+  Vector2d along = main_direction(trees);
+  // The first trees in the file are at the start of the row.
+  double sum_first = 0.0, sum_last = 0.0;
+  for (std::size_t k = 0; k < trees.size() / 2; ++k) {
+    sum_first += along.dot(trees[k].p_plan);
+    sum_last += along.dot(trees[trees.size() - 1 - k].p_plan);
+  }
+  if (sum_first > sum_last) along = -along;
+  std::stable_sort(trees.begin(), trees.end(), [&](const PlannedTree& a, const PlannedTree& b) {
+    return along.dot(a.p_plan) < along.dot(b.p_plan);
+  });
+}
+
+void number_unnamed(PlannedRow& row) {
+  if (std::any_of(row.trees.begin(), row.trees.end(),
+                  [](const PlannedTree& t) { return !t.name.empty(); })) {
+    return;
+  }
+  for (std::size_t k = 0; k < row.trees.size(); ++k) row.trees[k].name = std::to_string(k + 1);
+}
+
+void add_problem(BuiltPlan& built, std::string problem) {
+  if (built.problems.size() < kNumProblemsMax) built.problems.push_back(std::move(problem));
+}
+
+void look_for_doubles(BuiltPlan& built) {
+  for (const PlannedRow& row : built.plan.rows) {
+    std::set<std::string> names;
+    for (const PlannedTree& tree : row.trees) {
+      if (tree.name.empty()) {
+        add_problem(built, "row " + row.name + " has trees with and without a name");
+        break;
+      }
+      if (!names.insert(tree.name).second) {
+        add_problem(built, "row " + row.name + " has two trees " + tree.name);
+      }
+    }
+  }
+  const std::vector<PlanIndex> indices = plan_indices(built.plan);
+  const geometry::IndexedPoints places(built.plan.places());
+  const auto name_of = [&](std::size_t i) {
+    const PlannedRow& row = built.plan.rows[static_cast<std::size_t>(indices[i].row)];
+    return row.name + "/" + row.trees[static_cast<std::size_t>(indices[i].tree)].name;
+  };
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (const std::int32_t j : places.within(places[i], kOnePlace_m)) {
+      if (static_cast<std::size_t>(j) <= i) continue;
+      add_problem(built, "trees " + name_of(i) + " and " + name_of(static_cast<std::size_t>(j)) +
+                             " have the same position");
+    }
+  }
+}
+
+/// Finds rows as in a map of these trees, because the file names none.
+std::vector<PlannedRow> rows_found(const std::vector<LoosePlannedTree>& trees, BuiltPlan& built) {
+  std::vector<Landmark> landmarks;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    Landmark l;
+    l.id = static_cast<std::int32_t>(i) + 1;
+    l.label = detection::Label::kTree;
+    l.num_observations = 1;
+    l.x_m = trees[i].p_plan.x();
+    l.y_m = trees[i].p_plan.y();
+    l.width_m = 0.1;
+    l.roc_mean = l.probability = 1.0;
+    landmarks.push_back(l);
+  }
+  const std::vector<Row> rows = find_rows(landmarks, RowsConfig{});
+  std::vector<PlannedRow> planned;
+  std::size_t num_in_rows = 0;
+  for (const Row& row : rows) {
+    PlannedRow& r = planned.emplace_back();
+    r.name = std::to_string(row.number);
+    for (const RowSlot& place : row.places) {
+      if (place.landmark_id == 0) continue;
+      const LoosePlannedTree& tree = trees[static_cast<std::size_t>(place.landmark_id) - 1];
+      r.trees.push_back({std::to_string(place.position), tree.p_plan});
+      ++num_in_rows;
+    }
+  }
+  built.notes.push_back("the plan does not name rows: " + std::to_string(planned.size()) +
+                        " rows were found from the positions of the trees and numbered");
+  if (num_in_rows < trees.size()) {
+    built.notes.push_back(std::to_string(trees.size() - num_in_rows) +
+                          " trees of the plan are in no row and are left out");
+  }
+  if (planned.empty()) {
+    built.problems.push_back("no rows of trees were found; name the row of each tree in a column");
+  }
+  return planned;
+}
+
+}  // namespace
+
+std::int32_t number_in_name(const std::string& name) {
+  if (name.empty() || name.size() > 9) return 0;
+  std::int32_t number = 0;
+  for (const char c : name) {
+    if (c < '0' || c > '9') return 0;
+    number = 10 * number + (c - '0');
+  }
+  return number;
+}
+
+BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees) {
+  BuiltPlan built;
+  const auto num_named = static_cast<std::size_t>(std::count_if(
+      trees.begin(), trees.end(), [](const LoosePlannedTree& t) { return !t.row.empty(); }));
+  if (num_named == 0) {
+    built.plan.rows = rows_found(trees, built);
+  } else {
+    if (num_named < trees.size()) {
+      built.problems.push_back(std::to_string(trees.size() - num_named) + " of " +
+                               std::to_string(trees.size()) + " trees have no row");
+    }
+    std::map<std::string, std::size_t> row_of_name;
+    for (const LoosePlannedTree& tree : trees) {
+      if (tree.row.empty()) continue;
+      const auto [at, is_new] = row_of_name.try_emplace(tree.row, built.plan.rows.size());
+      if (is_new) built.plan.rows.push_back({tree.row, {}});
+      built.plan.rows[at->second].trees.push_back({tree.tree, tree.p_plan});
+    }
+    for (PlannedRow& row : built.plan.rows) {
+      sort_along(row);
+      number_unnamed(row);
+    }
+  }
+  look_for_doubles(built);
+  return built;
+}
+
+BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m) {
+  constexpr std::size_t kNumTreesMax = 2000000;
+  BuiltPlan built;
+  std::set<std::string> names;
+  const bool is_named = std::any_of(lines.begin(), lines.end(),
+                                    [](const PlannedLine& line) { return !line.row.empty(); });
+  std::size_t num_trees = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    PlannedRow row{is_named ? lines[i].row : std::to_string(i + 1), {}};
+    if (row.name.empty()) {
+      add_problem(built, "row line " + std::to_string(i + 1) + " has no name, but others have one");
+    } else if (!names.insert(row.name).second) {
+      add_problem(built, "two lines have the name of row " + row.name);
+    }
+    double next_m = 0.0;  // from the start of the segment to the next tree
+    const auto& points = lines[i].points;
+    for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      const double length_m = (points[k + 1] - points[k]).norm();
+      // Tolerance for a tree at the end of the line.
+      const double hair_m = k + 2 == points.size() ? 0.02 * spacing_m : 0.0;
+      for (; next_m <= length_m + hair_m && num_trees < kNumTreesMax; next_m += spacing_m) {
+        const Vector2d step = (points[k + 1] - points[k]).stableNormalized();
+        row.trees.push_back({std::to_string(row.trees.size() + 1), points[k] + next_m * step});
+        ++num_trees;
+      }
+      next_m -= length_m;
+    }
+    if (row.trees.empty()) {
+      add_problem(built, "row " + row.name + " is not a line");
+      continue;
+    }
+    built.plan.rows.push_back(std::move(row));
+  }
+  if (num_trees >= kNumTreesMax) {
+    add_problem(built, "trees every " + fixed_text(spacing_m, 3) + " m apart would be more than " +
+                           std::to_string(kNumTreesMax));
+    return built;
+  }
+  look_for_doubles(built);
+  return built;
 }
 
 }  // namespace orchard::mapping

@@ -1,12 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/compare/detection_map.hpp"
+#include <string>
+#include <vector>
+
+#include "mapping/compare/visibility.hpp"
 #include "mapping/plan/orchard_plan.hpp"
+#include "mapping/plan/plan_evidence.hpp"
 #include "mapping/plan/plan_fit.hpp"
-#include "mapping/plan/row_shift.hpp"
 
 namespace orchard::mapping {
+
+/// Offset of a row from its planned position.
+struct RowShift {
+  double along_m = 0.0;  ///< towards the last tree of the row
+  double aside_m = 0.0;  ///< to the left
+  int num_trees = 0;     ///< number of trees used
+};
+
+/// One row of the plan, transformed to map.
+struct RegisteredRow {
+  std::vector<Eigen::Vector2d> places_map;
+  std::vector<Eigen::Vector2d> along;      ///< unit vectors in map
+  std::vector<Eigen::Vector2d> trees_map;  ///< mapped trees that are nearest to this row
+};
+
+/// Finds the shift of a row that was planted elsewhere as a whole: up to 1.2 spacings along and
+/// less than half an alley to the side. Maximises the likelihood of trees and empty positions, with
+/// a prior of one shifted row in fifty. The shift is the median offset of the trees.
+RowShift shift_of_row(const RegisteredRow& row, double spacing_m, const PlanNoise& noise,
+                      const MissProbability& missed);
 
 /// Configuration of match_plan().
 struct PlanMatchConfig {
@@ -66,5 +89,19 @@ struct PlanMatch {
 /// and no placement was selected, `findings` is empty and fit.reason explains why.
 PlanMatch match_plan(const OrchardPlan& plan, const std::vector<Landmark>& landmarks,
                      const DetectionMap& view, const PlanMatchConfig& config);
+
+/// The names of a landmark in the plan.
+struct PlanName {
+  std::int32_t landmark_id = 0;
+  std::string row;
+  std::string tree;  ///< empty for an extra tree of the row
+};
+
+/// Numbers the landmarks and rows of a map by its plan. Names are used as numbers if they are all
+/// different whole numbers; else rows, or the trees of a row, are counted in the order of the plan.
+/// Extra trees get their row's number, if they are in a row, and no position; objects get neither.
+/// Returns the names, in order of the landmarks.
+std::vector<PlanName> number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
+                                     std::vector<Landmark>& landmarks);
 
 }  // namespace orchard::mapping

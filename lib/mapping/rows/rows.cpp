@@ -8,11 +8,8 @@
 
 #include "geometry/angles.hpp"
 #include "mapping/rows/row_chains.hpp"
-#include "mapping/rows/row_field.hpp"
-#include "mapping/rows/row_members.hpp"
-#include "mapping/rows/row_order.hpp"
+#include "mapping/rows/row_numbers.hpp"
 #include "mapping/rows/row_selection.hpp"
-#include "mapping/rows/row_slots.hpp"
 #include "mapping/rows/row_tracks.hpp"
 
 namespace orchard::mapping {

@@ -9,9 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/store/chunk_allocator.hpp"
+#include "pose/graph/chunk_allocator.hpp"
 
 namespace orchard::mapping {
+
+using pose::ChunkAllocator;
+using pose::HeapChunkAllocator;
 
 /// An append-only array whose rows are stored in chunks of a ChunkAllocator.
 template <class Row>

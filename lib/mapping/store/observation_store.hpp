@@ -8,14 +8,41 @@
 #include <utility>
 #include <vector>
 
+#include "detection/detection.hpp"
+#include "mapping/candidate.hpp"
 #include "mapping/free_space.hpp"
-#include "mapping/observation.hpp"
-#include "mapping/pose_composition.hpp"
 #include "mapping/position_mode.hpp"
 #include "mapping/store/chunked_array.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
+
+/// One stored detection: everything needed to rebuild the landmarks after a pose correction.
+struct Observation {
+  std::int32_t scan = 0;       ///< index into the mapper's list of scans
+  std::int32_t previous = -1;  ///< previous observation of the same landmark, or -1
+  float x_base_m = 0.0f;       ///< centre in base
+  float y_base_m = 0.0f;
+  float sd_m = 0.0f;  ///< of the centre in map, per axis: detection and pose combined
+  float roc_tree = 0.0f;
+  float width_m = 0.0f;
+  float width_sd_m = 0.0f;
+  float covariance_xx = 0.0f;  ///< of the centre in base [m2]
+  float covariance_xy = 0.0f;
+  float covariance_yy = 0.0f;
+  float probability_tree = 0.0f;
+  float probability_object = 0.0f;
+  std::int8_t label = 0;       ///< detection::Label
+  std::int8_t occlusion = 0;   ///< bits of detection::Occlusion
+  std::uint8_t num_beams = 0;  ///< 255 means 255 or more
+  bool is_associated = false;  ///< part of a landmark's chain
+};
+
+/// Converts a candidate to its stored form; scan and previous are not set.
+Observation observation_of(const Candidate& candidate);
+
+/// Restores all fields of a stored detection that the map depends on.
+detection::Detection detection_of(const Observation& observation);
 
 /// All observations and scans. The observations of a landmark form a chain from newest to oldest;
 /// each scan has the pose of base and the free-space evidence of its beams.

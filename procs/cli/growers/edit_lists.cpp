@@ -8,7 +8,7 @@
 #include "cli/maps/stored_content.hpp"
 #include "detection/detection.hpp"
 #include "io/map/corrections_file.hpp"
-#include "mapping/corrections/correction_words.hpp"
+#include "mapping/corrections/apply_corrections.hpp"
 #include "text/number_text.hpp"
 #include "text/printable_text.hpp"
 

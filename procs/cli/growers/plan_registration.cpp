@@ -11,7 +11,7 @@
 #include "io/file_error.hpp"
 #include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::cli {
 namespace {

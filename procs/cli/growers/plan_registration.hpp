@@ -4,7 +4,7 @@
 #include "io/gis/plan_file.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/map/stored_map.hpp"
-#include "mapping/plan/plan_numbers.hpp"
+#include "mapping/plan/plan_match.hpp"
 
 namespace orchard::cli {
 

@@ -27,7 +27,7 @@
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "log_player/replay_rig.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "io/file_error.hpp"
-#include "mapping/corrections/carry_corrections.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/corrections/apply_corrections.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::cli {
 

@@ -5,7 +5,7 @@
 #include "io/map/map_folder.hpp"
 #include "io/map/stored_map.hpp"
 #include "mapping/compare/map_alignment.hpp"
-#include "mapping/compare/number_keeping.hpp"
+#include "mapping/compare/map_merging.hpp"
 
 namespace orchard::cli {
 

@@ -26,7 +26,7 @@
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/compare/map_merging.hpp"
 #include "mapping/finish/finish.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::cli {
 namespace {

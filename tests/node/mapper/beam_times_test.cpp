@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapper/beam_times.hpp"
+#include "mapper/degradation.hpp"
 
 #include <gtest/gtest.h>
 

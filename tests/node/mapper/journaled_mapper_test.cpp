@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapper/journaled_mapper.hpp"
+#include "mapper/mapper_process.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,6 @@
 
 #include "io/map/map_csv.hpp"
 #include "io/map/stored_map.hpp"
-#include "mapper/journaled_mapper.hpp"
 #include "mapper/mapper_process.hpp"
 #include "node/mapper/row_drive.hpp"
 #include "unit/io/test_folder.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapper/map_saver.hpp"
+#include "mapper/mapper_process.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

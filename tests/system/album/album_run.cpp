@@ -13,7 +13,7 @@
 #include "detector/detector_node.hpp"
 #include "io/map/map_folder.hpp"
 #include "mapper/mapper_node.hpp"
-#include "mapping/album/choose_photographs.hpp"
+#include "mapping/album/album.hpp"
 #include "pose/pose_node.hpp"
 #include "simulation/simulator.hpp"
 #include "system/tube_scene/wiring.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/deskew.hpp"
+#include "mapping/pose_track.hpp"
 
 #include <gtest/gtest.h>
 

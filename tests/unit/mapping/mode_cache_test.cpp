@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/mode_cache.hpp"
+#include "mapping/position_mode.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/scan_alignment.hpp"
+#include "mapping/candidate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,6 @@
 #include <random>
 #include <string>
 
-#include "mapping/album/choose_photographs.hpp"
-#include "mapping/album/framing.hpp"
-
 namespace orchard::mapping {
 namespace {
 

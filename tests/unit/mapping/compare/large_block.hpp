@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/compare/detection_map.hpp"
+#include "mapping/compare/visibility.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {

@@ -7,8 +7,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/compare/number_keeping.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {

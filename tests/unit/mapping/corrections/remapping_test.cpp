@@ -8,9 +8,8 @@
 #include <map>
 #include <set>
 
-#include "mapping/compare/number_keeping.hpp"
+#include "mapping/compare/map_merging.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
-#include "mapping/corrections/carry_corrections.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 
 namespace orchard::mapping {

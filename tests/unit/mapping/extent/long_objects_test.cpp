@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/extent/long_objects.hpp"
+#include "mapping/extent/extent.hpp"
 
 #include <gtest/gtest.h>
 

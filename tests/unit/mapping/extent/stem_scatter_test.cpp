@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/extent/stem_scatter.hpp"
+#include "mapping/extent/extent.hpp"
 
 #include <gtest/gtest.h>
 

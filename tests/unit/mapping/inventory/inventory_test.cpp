@@ -7,8 +7,6 @@
 #include <numeric>
 #include <random>
 
-#include "mapping/inventory/growth.hpp"
-
 namespace orchard::mapping {
 namespace {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "mapping/plan/plan_building.hpp"
-#include "mapping/plan/plan_numbers.hpp"
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/plan/orchard_plan.hpp"
+#include "mapping/plan/plan_match.hpp"
+#include "mapping/rows/row_numbers.hpp"
 #include "unit/mapping/plan/planned_block.hpp"
 
 namespace orchard::mapping {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/rows/id_keeping.hpp"
+#include "mapping/map_state.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/rows/numbered_rows.hpp"
+#include "mapping/rows/row_numbers.hpp"
 
 #include <gtest/gtest.h>
 

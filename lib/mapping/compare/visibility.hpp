@@ -1,9 +1,59 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/compare/visibility_grid.hpp"
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
+
+/// Field of view of a laser and its extrinsics.
+struct SensorView {
+  double reach_m = 20.0;  ///< max detection range
+  double bearing_min_rad = -3.14159265358979323846;
+  double bearing_max_rad = 3.14159265358979323846;
+  double mount_x_m = 0.0;  ///< position of the laser in base
+  double mount_y_m = 0.0;
+  double mount_yaw_rad = 0.0;
+  int min_observations = 1;  ///< min number of observations of mapped landmarks
+};
+
+/// Time for which each cell of 0.5 m was in view of a drive, per distance bin.
+///
+/// Computed from poses along the path; landmarks of the drive's own map occlude what is behind
+/// them. Each pose counts for its duration, within limits.
+class VisibilityGrid {
+ public:
+  static constexpr double kCell_m = 0.5;
+  /// Upper ends of the distance bins [m]; the last bin extends to the range of the sensor.
+  static constexpr std::array<double, 12> kRangeEnds_m{1.5, 2.5, 3.5,  4.5,  5.5,  6.5,
+                                                       7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
+  using Seconds = std::array<float, kRangeEnds_m.size()>;  ///< time in view per distance bin
+
+  /// `trajectories`: T_map_base in order of utime, one per drive, in the landmarks' frame.
+  VisibilityGrid(const std::vector<Landmark>& landmarks,
+                 const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                 const SensorView& view);
+
+  /// Time in view of the cell that contains a point of map.
+  Seconds at(const Eigen::Vector2d& p_map) const;
+
+ private:
+  static constexpr int kTileCells = 32;
+  using Tile = std::vector<Seconds>;
+
+  /// Tile index of a cell (integer division rounding towards minus infinity).
+  static int tile_of(int cell);
+  void add_view(const Eigen::Vector2d& p_laser, double reach_m, float seconds,
+                const std::vector<float>& free_m);
+
+  std::map<std::pair<int, int>, Tile> tiles_;
+};
 
 /// Detection probability of one drive as a function of position.
 ///

@@ -5,9 +5,29 @@
 #include <vector>
 
 #include "mapping/landmark.hpp"
+#include "mapping/rows/row_chains.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
+
+/// Sorts chains from left to right as seen along the rows, by lateral adjacency, so that the order
+/// is right for curved rows.
+void order_from_left(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
+                     std::vector<RowChain>& chains);
+
+/// Slot index of every tree of every chain, from 0, counting empty slots: inside a chain by the
+/// local spacing; before its first tree by the starts of the neighbouring chains, so that missing
+/// first trees are counted. `chains` must be in lateral order.
+std::vector<std::vector<int>> slot_indices(const std::vector<Eigen::Vector2d>& p_map,
+                                           const std::vector<RowChain>& chains);
+
+/// Distance of neighbouring slots from the steps between successive trees: the median of the single
+/// steps. Needs at least one step.
+double single_step_m(std::vector<double> steps_m);
+
+/// Median distance between neighbouring slots of a chain [m].
+double slot_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
+                      const std::vector<int>& positions);
 
 /// The rows of a numbered map, in order of number.
 ///

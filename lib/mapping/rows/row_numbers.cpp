@@ -125,6 +125,18 @@ constexpr std::size_t kNumCompared = 4;
 /// Rows on either side that determine where a row should start.
 constexpr int kRowsAround = 8;
 
+/// Median of the single steps. Gaps only make steps longer, so a step from the lower third is
+/// single unless two thirds of the slots are empty.
+double single_step_m(std::vector<double> steps_m) {
+  std::sort(steps_m.begin(), steps_m.end());
+  const double typical_m = steps_m[steps_m.size() * 3 / 10];
+  std::vector<double> single;
+  for (const double step_m : steps_m) {
+    if (step_m < 1.45 * typical_m) single.push_back(step_m);
+  }
+  return geometry::median(single);
+}
+
 /// Spacing around step k.
 double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
   const std::size_t first = k > kSpacingWindow ? k - kSpacingWindow : 0;
@@ -244,18 +256,6 @@ int num_empty_before(const std::vector<double>& starts, int r) {
 
 }  // namespace
 
-// Gaps only make steps longer, so a step from the lower third is single unless two thirds of the
-// slots are empty.
-double single_step_m(std::vector<double> steps_m) {
-  std::sort(steps_m.begin(), steps_m.end());
-  const double typical_m = steps_m[steps_m.size() * 3 / 10];
-  std::vector<double> single;
-  for (const double step_m : steps_m) {
-    if (step_m < 1.45 * typical_m) single.push_back(step_m);
-  }
-  return geometry::median(single);
-}
-
 std::vector<std::vector<int>> slot_indices(const std::vector<Vector2d>& p_map,
                                            const std::vector<RowChain>& chains) {
   std::vector<std::vector<int>> positions;
@@ -284,18 +284,6 @@ std::vector<std::vector<int>> slot_indices(const std::vector<Vector2d>& p_map,
     for (int& position : positions[r]) position += shifts[r];
   }
   return positions;
-}
-
-double slot_spacing_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
-                      const std::vector<int>& positions) {
-  std::vector<double> spacings_m;
-  for (std::size_t i = 1; i < chain.size(); ++i) {
-    const double step_m =
-        (p_map[static_cast<std::size_t>(chain[i])] - p_map[static_cast<std::size_t>(chain[i - 1])])
-            .norm();
-    spacings_m.push_back(step_m / (positions[i] - positions[i - 1]));
-  }
-  return spacings_m.empty() ? 0.0 : geometry::median(spacings_m);
 }
 
 namespace {

@@ -21,14 +21,6 @@ void order_from_left(const std::vector<Eigen::Vector2d>& p_map, const RowDirecti
 std::vector<std::vector<int>> slot_indices(const std::vector<Eigen::Vector2d>& p_map,
                                            const std::vector<RowChain>& chains);
 
-/// Distance of neighbouring slots from the steps between successive trees: the median of the single
-/// steps. Needs at least one step.
-double single_step_m(std::vector<double> steps_m);
-
-/// Median distance between neighbouring slots of a chain [m].
-double slot_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
-                      const std::vector<int>& positions);
-
 /// The rows of a numbered map, in order of number.
 ///
 /// A function of row, position and place of the trees alone, so that every file, page and message

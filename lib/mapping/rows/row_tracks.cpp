@@ -191,6 +191,7 @@ RowRegularity row_regularity(const std::vector<Vector2d>& p_map,
     }
   }
   RowRegularity regularity;
+  if (along.empty()) return regularity;
   regularity.along_spacings = geometry::median(std::move(along)) / std::log(2.0);
   regularity.beside_spacings = geometry::median(std::move(beside)) / std::log(2.0);
   regularity.filled = num_single / num_steps;

@@ -24,10 +24,10 @@ struct LocalRows {
 std::vector<LocalRows> local_rows(const std::vector<Eigen::Vector2d>& p_map, double seeds_spacing_m,
                                   const std::vector<RowChain>& chains);
 
-/// How regular the rows of a map are, learnt from their links.
+/// How regular the rows of a map are, learnt from their links; the defaults are a first guess.
 struct RowRegularity {
-  double along_spacings = 0.0;   ///< mean deviation of a step from the spacing, in spacings
-  double beside_spacings = 0.0;  ///< mean lateral offset of the next tree, in spacings
+  double along_spacings = 0.2;   ///< mean deviation of a step from the spacing, in spacings
+  double beside_spacings = 0.1;  ///< mean lateral offset of the next tree, in spacings
   double filled = 0.9;           ///< share of the slots after a tree that have a tree
 };
 

@@ -98,9 +98,17 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
         lines.p_map[index_of(chain.back())] - lines.p_map[index_of(chain.front())];
     return chord.dot(forward) < kAcross_cos * chord.norm();
   };
-  std::vector<RowChain> known = row_chains(p_seeds, guess, kGapMax_slots);
-  for (RowChain& chain : known) {
-    for (std::int32_t& i : chain) i = static_cast<std::int32_t>(seeds[index_of(i)]);
+  std::vector<LocalRows> of_seeds;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    of_seeds.push_back({guess.directions[i], guess.spacings_m[i]});
+  }
+  const std::vector<double> full(seeds.size(), 1.0);
+  std::vector<RowChain> known;
+  for (const RowTrack& track : row_tracks(p_seeds, full, of_seeds, {})) {
+    known.emplace_back();
+    for (const std::int32_t i : track.chain) {
+      known.back().push_back(static_cast<std::int32_t>(seeds[index_of(i)]));
+    }
   }
 
   // What the rows found so far tell of the orchard's rows decides which trees are in rows.
@@ -127,27 +135,15 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   }
 
   const std::vector<std::vector<int>> positions = slot_indices(lines.p_map, lines.chains);
-  std::vector<Row> rows;
+  std::vector<Landmark> numbered;
   for (std::size_t r = 0; r < lines.chains.size(); ++r) {
-    Row row;
-    row.number = config.first_row + static_cast<int>(r);
-    row.spacing_m = slot_spacing_m(lines.p_map, lines.chains[r], positions[r]);
     for (std::size_t i = 0; i < lines.chains[r].size(); ++i) {
-      const auto tree = static_cast<std::size_t>(lines.chains[r][i]);
-      const Vector2d& p = lines.p_map[tree];
-      if (i > 0) {  // interpolate the empty slots between
-        const RowSlot before = row.places.back();
-        const int num_steps = positions[r][i] - positions[r][i - 1];
-        for (int k = 1; k < num_steps; ++k) {
-          row.places.push_back(
-              {before.position + k, 0, before.p_map + (p - before.p_map) * k / num_steps});
-        }
-      }
-      row.places.push_back({config.first_position + positions[r][i], trees[tree]->id, p});
+      Landmark& tree = numbered.emplace_back(*trees[index_of(lines.chains[r][i])]);
+      tree.row = config.first_row + static_cast<int>(r);
+      tree.position = config.first_position + positions[r][i];
     }
-    rows.push_back(std::move(row));
   }
-  return rows;
+  return numbered_rows(numbered);
 }
 
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks) {

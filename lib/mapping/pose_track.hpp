@@ -10,7 +10,6 @@
 #include "detection/detection.hpp"
 #include "mapping/store/chunked_array.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/trajectory.hpp"
 
 namespace orchard::mapping {
 

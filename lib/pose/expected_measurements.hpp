@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pose/measurement.hpp"
+#include "pose/measurements.hpp"
 #include "pose/pose_config.hpp"
 
 namespace orchard::pose {

@@ -2,14 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "pose/measurement.hpp"
+#include "laser/laser_config.hpp"
+#include "pose/graph/record_store.hpp"
+#include "pose/measurements.hpp"
+#include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/trajectory.hpp"
+#include "pose/prior_map/prior_map.hpp"
 
 namespace orchard::pose {
 
@@ -42,5 +46,16 @@ class Localiser {
   /// Returns named statistics of the drive so far, for the evaluation afterwards.
   virtual std::vector<std::pair<std::string, std::int64_t>> statistics() const { return {}; }
 };
+
+/// Creates the localiser of `config.mode`. Mode prior_map needs the map in `earlier`, which the
+/// caller has read; throws std::invalid_argument if its landmarks cannot determine a pose. Modes
+/// that use scans need the laser's extrinsics and the blind sector, in which it sees the robot
+/// itself. `memory` stores old observations of a long drive (null: the heap) and does not affect
+/// the results.
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
+                                          const PriorMapData& earlier = {},
+                                          const laser::LaserConfig& laser = {},
+                                          const laser::BlindSector& blind = {},
+                                          std::shared_ptr<ChunkAllocator> memory = nullptr);
 
 }  // namespace orchard::pose

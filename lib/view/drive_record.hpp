@@ -12,7 +12,6 @@
 #include "geometry/pose2.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/trajectory.hpp"
 
 namespace orchard::view {
 

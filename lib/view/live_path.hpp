@@ -8,7 +8,6 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/trajectory.hpp"
 
 namespace orchard::view {
 

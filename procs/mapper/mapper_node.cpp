@@ -12,7 +12,7 @@
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/pose_track.hpp"
-#include "pose/filter/gnss_alignment.hpp"
+#include "pose/filter/gnss_positions.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::procs {

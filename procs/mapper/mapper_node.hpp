@@ -18,7 +18,7 @@
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
-#include "pose/trajectory.hpp"
+#include "pose/pose_estimate.hpp"
 #include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {

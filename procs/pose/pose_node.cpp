@@ -9,7 +9,7 @@
 
 #include "io/map/prior_map_file.hpp"
 #include "pose/expected_measurements.hpp"
-#include "pose/make_localiser.hpp"
+#include "pose/localiser.hpp"
 
 namespace orchard::procs {
 namespace {

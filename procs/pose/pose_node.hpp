@@ -12,9 +12,9 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
-#include "pose/graph/chunk_allocator.hpp"
+#include "pose/graph/record_store.hpp"
 #include "pose/localiser.hpp"
-#include "pose/measurement.hpp"
+#include "pose/measurements.hpp"
 #include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {

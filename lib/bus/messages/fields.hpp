@@ -8,7 +8,6 @@
 #include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "mapping/finish/map_fields.hpp"
-#include "pose/measurement_fields.hpp"
 #include "pose/pose_fields.hpp"
 #include "vision/image.hpp"
 

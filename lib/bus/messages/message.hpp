@@ -11,7 +11,6 @@
 #include "mapping/landmark.hpp"
 #include "pose/measurements.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/trajectory.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::bus {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pose/pose_config.hpp"
 #include "pose/prior_map/prior_map.hpp"
-#include "pose/prior_map/prior_map_config.hpp"
 
 namespace orchard::io {
 

@@ -3,7 +3,7 @@
 
 #include "mapping/finish/map_ways.hpp"
 #include "mapping/landmark.hpp"
-#include "pose/measurement_fields.hpp"
+#include "pose/pose_fields.hpp"
 
 namespace orchard::mapping {
 

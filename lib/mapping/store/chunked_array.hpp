@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pose/graph/chunk_allocator.hpp"
+#include "pose/graph/record_store.hpp"
 
 namespace orchard::mapping {
 

@@ -4,14 +4,26 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/graph/georeference.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
 namespace {
+
+/// Less likely histories are forgotten: one would move the mean path by less than a fiftieth of its
+/// distance from it.
+constexpr double kProbabilityMin = 0.02;
+
+/// The path is solved once for each history.
+constexpr std::size_t kHistoriesMax = 6;
 
 /// Mean duration of one displacement [s]: a vehicle passes a wall or a tree that reflects a signal
 /// within seconds.
@@ -105,7 +117,48 @@ void split_heading(FixHypotheses::Hypothesis h, std::vector<FixHypotheses::Hypot
   }
 }
 
+/// Prior variance of the map's distance from the receiver's frame per axis [m2]: a multiple of the
+/// receiver's own, which has placed the map.
+constexpr double kMapVariance = 4.0;
+
+/// Variance of the turn of a robot that stands [rad2].
+constexpr double kStandingYawVariance = 1e-12;
+
 }  // namespace
+
+void DisplacementHistories::begin(std::int64_t utime, bool is_gnss) {
+  for (DisplacementHistory& history : all_) history.displaced.push_back({utime, utime, is_gnss});
+}
+
+void DisplacementHistories::extend(std::int64_t utime) {
+  for (DisplacementHistory& history : all_) history.displaced.back().end_utime = utime;
+}
+
+void DisplacementHistories::merge(const DisplacementHistories& other, double odds) {
+  for (DisplacementHistory& history : all_) history.probability /= 1.0 + odds;
+  for (const DisplacementHistory& history : other.all_) {
+    const double probability = history.probability * odds / (1.0 + odds);
+    const auto same = std::find_if(all_.begin(), all_.end(), [&](const DisplacementHistory& known) {
+      return known.displaced == history.displaced;
+    });
+    if (same != all_.end()) {
+      same->probability += probability;
+    } else if (probability >= kProbabilityMin) {
+      all_.push_back({probability, history.displaced});
+    }
+  }
+  std::stable_sort(all_.begin(), all_.end(),
+                   [](const DisplacementHistory& a, const DisplacementHistory& b) {
+                     return a.probability > b.probability;
+                   });
+  while (all_.size() > 1 &&
+         (all_.size() > kHistoriesMax || all_.back().probability < kProbabilityMin)) {
+    all_.pop_back();
+  }
+  double sum = 0.0;
+  for (const DisplacementHistory& history : all_) sum += history.probability;
+  for (DisplacementHistory& history : all_) history.probability /= sum;
+}
 
 FixHypotheses::FixHypotheses(const FusionConfig& config) {
   all_.push_back({FusionFilter(config), 0.0, false, true, {}, 0.0, 0.0, 0.0});
@@ -298,6 +351,49 @@ PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {
   pose.yaw_rad = mean.z();
   pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
   return pose;
+}
+
+void mark_displaced(const std::vector<DisplacedTime>& displaced, SlamGraph& graph) {
+  auto time = displaced.begin();
+  for (Keyframe& keyframe : graph.keyframes) {
+    for (AbsolutePosition& position : keyframe.positions) {
+      while (time != displaced.end() && time->end_utime < position.utime) ++time;
+      position.is_displaced = time != displaced.end() && time->begin_utime <= position.utime &&
+                              time->is_gnss == position.is_gnss;
+    }
+  }
+}
+
+void mark_displaced_fixes(SlamGraph& graph) {
+  if (!graph.georeferenced) return;
+  const ReceiverModel receiver = estimate_receiver_model(graph);
+  FixHypotheses hypotheses{FusionConfig{}};
+  std::optional<std::int64_t> before;
+  for (const Keyframe& k : graph.keyframes) {
+    for (const AbsolutePosition& position : k.positions) {
+      if (position.receiver_error < 0 || (before && position.utime < *before)) continue;
+      const double claimed = per_axis_variance(position);
+      for (FixHypotheses::Hypothesis& h : hypotheses.all()) {
+        h.filter.set_receiver_variance(receiver.correlated * claimed);
+      }
+      if (!before) {
+        Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+        P.diagonal() << kMapVariance * claimed, kMapVariance * claimed, kStandingYawVariance;
+        hypotheses.place(Eigen::Vector3d::Zero(), P, position.utime, true);
+      } else {
+        MotionStep stands;
+        stands.dt_s = timing::seconds(position.utime - *before);
+        hypotheses.move(stands);
+      }
+      before = position.utime;
+      PositionObservation distance;
+      distance.p_map_m = position.p_map - p_by_path(k, position);
+      distance.covariance = receiver.noise * position.covariance;
+      distance.is_gnss = true;
+      hypotheses.correct(distance, position.utime);
+    }
+  }
+  mark_displaced(hypotheses.best().histories.likeliest(), graph);
 }
 
 }  // namespace orchard::pose

@@ -5,11 +5,52 @@
 #include <optional>
 #include <vector>
 
-#include "pose/filter/displacement_histories.hpp"
 #include "pose/filter/fusion_filter.hpp"
+#include "pose/graph/graph.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::pose {
+
+/// Time in which positions of one source were displaced, e.g. by reflected signals.
+struct DisplacedTime {
+  std::int64_t begin_utime = 0;
+  std::int64_t end_utime = 0;  ///< of the last displaced position
+  bool is_gnss = true;
+
+  friend bool operator==(const DisplacedTime& a, const DisplacedTime& b) {
+    return a.begin_utime == b.begin_utime && a.end_utime == b.end_utime && a.is_gnss == b.is_gnss;
+  }
+};
+
+/// One account of when positions were displaced.
+struct DisplacementHistory {
+  double probability = 1.0;
+  std::vector<DisplacedTime> displaced;  ///< ascending
+};
+
+/// The credible histories that led to one and the same present.
+///
+/// What comes later cannot tell them apart, so that their probabilities stay as they are.
+class DisplacementHistories {
+ public:
+  /// Returns all, the likeliest first; their probabilities sum to 1.
+  const std::vector<DisplacementHistory>& all() const { return all_; }
+
+  const std::vector<DisplacedTime>& likeliest() const { return all_.front().displaced; }
+
+  /// Begins a displaced time in every history.
+  void begin(std::int64_t utime, bool is_gnss);
+
+  /// Extends the newest displaced time of every history; each must have one.
+  void extend(std::int64_t utime);
+
+  /// Takes in the histories of another account of the same present, with the odds of that against
+  /// this.
+  void merge(const DisplacementHistories& other, double odds);
+
+ private:
+  std::vector<DisplacementHistory> all_{DisplacementHistory{}};
+};
 
 /// Bank of filters, one for each credible history of which positions were displaced.
 ///
@@ -69,5 +110,13 @@ class FixHypotheses {
   std::optional<std::int64_t> position_utime_;  ///< of the last position
   double travel_m_ = 0.0;                       ///< since then
 };
+
+/// Marks the positions within these times, ascending; all others are direct.
+void mark_displaced(const std::vector<DisplacedTime>& displaced, SlamGraph& graph);
+
+/// Marks the fixes of a georeferenced graph that are displaced, e.g. by reflected signals, by their
+/// distances from its path: FixHypotheses decides, for a robot that stands at the constant distance
+/// of the map from the receiver's frame. The path must err slowly compared with a displacement.
+void mark_displaced_fixes(SlamGraph& graph);
 
 }  // namespace orchard::pose

@@ -7,7 +7,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
-#include "pose/gnss_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 namespace {

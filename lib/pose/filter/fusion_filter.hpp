@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "pose/filter/fusion_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 

@@ -6,15 +6,32 @@
 #include <optional>
 #include <vector>
 
-#include "pose/dead_reckoning.hpp"
-#include "pose/filter/displacement_histories.hpp"
+#include "pose/filter/fix_hypotheses.hpp"
 #include "pose/filter/fusion_filter.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
+#include "pose/motion.hpp"
 #include "pose/pose_config.hpp"
-#include "pose/trajectory.hpp"
+#include "pose/pose_estimate.hpp"
 
 namespace orchard::pose {
+
+/// One credible path.
+struct CrediblePath {
+  double probability = 1.0;
+  std::vector<PoseEstimate> poses;
+};
+
+/// Returns the mean of credible paths over the same times, with the covariance of their mixture: of
+/// all estimates it has the smallest expected squared error.
+///
+/// Paths: one or more, of equally many poses; probabilities need not sum to 1. Headings are
+/// averaged about those of the first, the likeliest.
+std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths);
+
+/// Returns the largest standard deviation of these paths' positions about their mean [m]; 0 unless
+/// it exceeds what the likeliest, the first, says of its own position there.
+double notable_spread_m(const std::vector<CrediblePath>& paths);
 
 /// Present pose of base by all positions so far, and the latest receiver error.
 struct SmoothedPose {

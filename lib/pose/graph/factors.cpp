@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/gnss_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 using geometry::between;

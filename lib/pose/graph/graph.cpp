@@ -9,8 +9,8 @@
 #include "geometry/pose2.hpp"
 
 namespace orchard::pose {
-using geometry::rotation;
 
+using geometry::rotation;
 namespace {
 
 // Min standard deviation of a landmark, by the accuracy of the map around it.
@@ -31,6 +31,28 @@ void add_to(PositionSum& sum, const SlamObservation& observation, const Eigen::V
 }
 
 }  // namespace
+
+Eigen::Vector2d SlamObservation::position() const { return information.inverse() * information_m; }
+
+Eigen::Matrix2d SlamObservation::covariance() const {
+  return information.inverse() + floor_sd_m * floor_sd_m * Eigen::Matrix2d::Identity();
+}
+
+std::vector<SlamObservation>& ObservationList::edit() {
+  if (memory_ != nullptr) {
+    own_.assign(begin(), end());
+    memory_ = nullptr;
+  }
+  return own_;
+}
+
+void ObservationList::keep(SlamObservationStore& memory) {
+  if (memory_ != nullptr || own_.empty()) return;
+  kept_ = memory.keep(own_);
+  if (kept_.first == nullptr) return;
+  memory_ = &memory;
+  std::vector<SlamObservation>().swap(own_);  // what is only assigned to keeps its room
+}
 
 Eigen::Matrix2d SlamLandmark::covariance() const {
   const Eigen::Matrix2d floor = kLandmarkSdMin_m * kLandmarkSdMin_m * Eigen::Matrix2d::Identity();

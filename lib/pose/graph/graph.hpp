@@ -2,16 +2,99 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
-#include "pose/graph/motion.hpp"
-#include "pose/graph/observation_list.hpp"
-#include "pose/graph/older_sums.hpp"
+#include "pose/graph/record_store.hpp"
+#include "pose/motion.hpp"
 
 namespace orchard::pose {
+
+/// Sum of all observations of one landmark by the scans of one keyframe: its position in base at
+/// the keyframe, in information form.
+struct SlamObservation {
+  int landmark = -1;
+  int num_scans = 0;
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
+  Eigen::Vector2d information_m = Eigen::Vector2d::Zero();  ///< sum of information * position
+  double floor_sd_m = 0.0;  ///< systematic error, common to all scans of a keyframe
+
+  Eigen::Vector2d position() const;
+  Eigen::Matrix2d covariance() const;
+};
+
+/// Storage of the observations of older keyframes.
+using SlamObservationStore = RecordStore<SlamObservation>;
+
+/// Observations of a keyframe, copy-on-write: after keep(), copies of the list share the stored
+/// rows, and edit() makes an own copy on the heap.
+class ObservationList {
+ public:
+  const SlamObservation* begin() const {
+    if (memory_ == nullptr) return own_.data();
+    memory_->use(kept_);
+    return kept_.first;
+  }
+  const SlamObservation* end() const { return begin() + size(); }
+  std::size_t size() const { return memory_ != nullptr ? kept_.num_rows : own_.size(); }
+  bool empty() const { return size() == 0; }
+  const SlamObservation& operator[](std::size_t i) const { return begin()[i]; }
+
+  /// Returns the list for modification.
+  std::vector<SlamObservation>& edit();
+
+  /// Moves the rows to `memory`, which must outlive this list and its copies.
+  void keep(SlamObservationStore& memory);
+
+ private:
+  std::vector<SlamObservation> own_;
+  const SlamObservationStore* memory_ = nullptr;  ///< that stores the rows; null: own_
+  SlamObservationStore::Place kept_;
+};
+
+/// Position of a landmark in map by several observations, in information form.
+struct PositionSum {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
+  Eigen::Vector2d information_m = Eigen::Vector2d::Zero();  ///< sum of information * position
+};
+
+/// Cache of the sums of landmarks' observations by keyframes before the window: no scan changes
+/// these keyframes any more, only a solve of the whole graph, after which the cache is emptied.
+class OlderSums {
+ public:
+  struct Sum : PositionSum {
+    std::size_t num_keyframes = 0;  ///< that are in the sum: the first of SlamLandmark::keyframes
+  };
+
+  /// Sets the first keyframe of the window. One before the last value empties the cache.
+  void start(int first) {
+    if (first < first_) forget();
+    first_ = first;
+  }
+
+  /// First keyframe that belongs to no sum.
+  int first() const { return first_; }
+
+  /// Returns the sum of a landmark, to be extended by its keyframes before first().
+  Sum& of(int landmark) {
+    if (sums_.size() >= kSumsMax) sums_.clear();
+    return sums_[landmark];
+  }
+
+  void forget() { sums_.clear(); }
+  void forget(int landmark) { sums_.erase(landmark); }
+
+ private:
+  /// More than are in the local map; memory must not grow with the drive.
+  static constexpr std::size_t kSumsMax = 1024;
+
+  int first_ = 0;
+  std::unordered_map<int, Sum> sums_;
+};
 
 /// Measured position in map of a point on base (given by its lever arm), optionally with heading.
 struct AbsolutePosition {

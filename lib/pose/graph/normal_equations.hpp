@@ -1,16 +1,106 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "pose/graph/selected_inverse.hpp"
-
 namespace orchard::pose {
+
+/// Order of elimination of a sparse symmetric matrix that leaves few entries in its factor: by
+/// approximate minimum degree or, where that leaves much work, by nested dissection if this leaves
+/// less. The graph of a long drive is a sheet, which nested dissection cuts where it is narrow; for
+/// a chain of keyframes minimum degree is as good and sooner found. An ordering method of Eigen.
+///
+/// Sources: George 1973, Nested dissection of a regular finite element mesh; Karypis and Kumar
+/// 1998, A fast and high quality multilevel scheme for partitioning irregular graphs (METIS).
+class FillReducingOrdering {
+ public:
+  using PermutationType = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
+
+  /// `symmetric`: both triangles. `order`: from the matrix to the order of elimination.
+  void operator()(const Eigen::SparseMatrix<double>& symmetric, PermutationType& order) const;
+};
+
+/// Returns the number of multiplications that factorising a matrix in this order takes.
+double factor_work(const Eigen::SparseMatrix<double>& symmetric,
+                   const FillReducingOrdering::PermutationType& order);
+
+/// L D L^T factorisation, reading the lower triangle of a matrix; gives write access to L.
+class Ldlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower,
+                                          FillReducingOrdering> {
+ public:
+  /// L without its unit diagonal.
+  Eigen::SparseMatrix<double>& lower() { return m_matrix; }
+  /// Number of multiplications of a factorisation; call after analyzePattern().
+  double work() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
+};
+
+/// Selected inverse of a sparse, symmetric, positive definite matrix: only the entries of the
+/// inverse within the pattern of its factor, which contains that of the matrix. It gives the
+/// marginal covariances of an information matrix at the cost of one more factorisation, in the
+/// memory of the factor.
+///
+/// Source: Takahashi, Fagan, Chen 1973, on Eigen's LDL^T.
+class SelectedInverse {
+ public:
+  /// Inverts a factorised matrix; all of D must be positive.
+  explicit SelectedInverse(Ldlt&& factor);
+
+  /// Returns one entry of the inverse; zero outside the pattern of the factor.
+  double at(int row, int column) const;
+
+ private:
+  Eigen::SparseMatrix<double> lower_;  ///< of the inverse, in the factor's order
+  Eigen::VectorXd diagonal_;
+  Eigen::VectorXi to_factor_;
+};
+
+/// Computes the selected inverse from the lower triangle of a matrix; none if it is not positive
+/// definite.
+std::optional<SelectedInverse> selected_inverse(const Eigen::SparseMatrix<double>& information);
+
+/// Dense matrix of normal equations of few unknowns in blocks; used as NormalEquations are.
+class DenseEquations {
+ public:
+  explicit DenseEquations(const std::vector<int>& sizes) : first_{0} {
+    for (const int size : sizes) first_.push_back(first_.back() + size);
+  }
+
+  void set_zero() { H_.setZero(num_unknowns(), num_unknowns()); }
+  template <class Block>
+  void add(int a, int b, const Block& block) {
+    constexpr int kRows = Block::RowsAtCompileTime, kColumns = Block::ColsAtCompileTime;
+    if (a < b) {
+      H_.template block<kColumns, kRows>(first(b), first(a), size(b), size(a)) += block.transpose();
+    } else {
+      H_.template block<kRows, kColumns>(first(a), first(b), size(a), size(b)) += block;
+    }
+  }
+  void add_to_diagonal(int unknown, double value) { H_(unknown, unknown) += value; }
+
+  int num_unknowns() const { return first_.back(); }
+  int first(int block) const { return first_[static_cast<std::size_t>(block)]; }
+  int size(int block) const { return first(block + 1) - first(block); }
+
+  bool factorise() {
+    factor_.compute(H_);
+    return factor_.info() == Eigen::Success;
+  }
+  Eigen::VectorXd solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
+  Eigen::MatrixXd matrix() const { return H_.selfadjointView<Eigen::Lower>(); }
+
+ private:
+  std::vector<int> first_;
+  Eigen::MatrixXd H_;  ///< lower triangle
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
 
 /// Sparse matrix of normal equations, H = sum of J^T J, of unknowns in blocks of 1 to 3. Only the
 /// lower triangle is stored, in one piece of memory.

@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
-#include "pose/graph/full_graph_problem.hpp"
 #include "pose/graph/georeference.hpp"
-#include "pose/graph/receiver_model.hpp"
-#include "pose/graph/selected_inverse.hpp"
-#include "pose/graph/window_problem.hpp"
+#include "pose/graph/graph_problem.hpp"
+#include "pose/graph/normal_equations.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;

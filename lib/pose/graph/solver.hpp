@@ -10,8 +10,7 @@
 
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/graph.hpp"
-#include "pose/graph/joint_covariance.hpp"
-#include "pose/slam_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pose/graph/graph.hpp"
-#include "pose/slam_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 

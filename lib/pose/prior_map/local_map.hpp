@@ -5,10 +5,17 @@
 #include <deque>
 #include <vector>
 
-#include "pose/prior_map/prior_map_config.hpp"
-#include "pose/prior_map/scan_observations.hpp"
+#include "detection/detection.hpp"
+#include "pose/field_of_view.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
+
+/// Returns the usable observations of a scan, corrected by the velocity of base from the time of
+/// each to that of the scan. Values not finite, invalid covariances and objects beyond
+/// observation_range_max_m are left out.
+std::vector<ScanObservation> scan_observations(const detection::Detections& seen, double speed_mps,
+                                               double yaw_rate_radps, const PriorMapConfig& config);
 
 /// Local map of the trunks along the last metres of travel: EKF-SLAM over base and trunks, in its
 /// own frame. It is independent of the prior map, so that positions in that map can be compared by

@@ -4,18 +4,19 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::pose {
+
 using geometry::compose;
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
 using geometry::inverse_transform;
 using geometry::rotation;
 using geometry::transform;
-
 namespace {
 
 /// Random walk of dead reckoning by slip, in addition to the wheels' covariance [m/sqrt(m)].
@@ -42,6 +43,27 @@ constexpr double kTurnS = 6.0;
 constexpr double kWander = 0.01;
 
 }  // namespace
+
+void TreeDetectionMonitor::add(std::vector<ExpectedLandmark> scan) {
+  scans_.push_back(std::move(scan));
+  if (scans_.size() > kScans) scans_.pop_front();
+}
+
+TreeDetectionMonitor::Count TreeDetectionMonitor::count() const {
+  std::vector<ExpectedLandmark> all;
+  for (const auto& scan : scans_) all.insert(all.end(), scan.begin(), scan.end());
+  std::sort(all.begin(), all.end(),
+            [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
+  Count count;
+  for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
+    while (end != all.end() && end->landmark == begin->landmark) ++end;
+    if (end - begin < kSureScans) continue;
+    ++count.num_trees;
+    const auto seen = std::count_if(begin, end, [](const auto& e) { return e.seen; });
+    count.num_detected += 2 * seen >= end - begin;
+  }
+  return count;
+}
 
 PriorMapTracker::PriorMapTracker(const PriorMap& map, const PriorMapConfig& config)
     : map_(map), config_(config) {

@@ -4,13 +4,14 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
+#include "pose/localiser.hpp"
+#include "pose/pose_config.hpp"
 #include "pose/scan_matching/point_map.hpp"
-#include "pose/scan_matching/scan_motion_config.hpp"
-#include "pose/scan_matching/surface_points.hpp"
 
 namespace orchard::pose {
 
@@ -52,6 +53,30 @@ class ScanMotion {
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< per second, in base
   bool velocity_known_ = false;
   double travel_m_ = 0.0;
+};
+
+/// Localiser of mode `odometry` with `motion: scans`: dead reckoning by the motions between scans,
+/// from the map's origin at the first scan.
+class ScanOdometry : public Localiser {
+ public:
+  ScanOdometry(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+               const laser::BlindSector& blind)
+      : motion_(config, mount, blind) {}
+
+  /// Takes scans; other measurements are ignored.
+  void add(const Measurement& measurement) override;
+
+  /// Returns the pose at the first beam of the last scan.
+  std::optional<PoseEstimate> estimate() const override;
+
+  std::string warning() const override;
+
+ private:
+  ScanMotion motion_;
+  std::optional<std::int64_t> utime_;
+  Eigen::Vector3d T_map_base_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+  int num_unreliable_ = 0;  ///< consecutive scans without a reliable motion
 };
 
 }  // namespace orchard::pose

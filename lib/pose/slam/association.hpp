@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "pose/slam_config.hpp"
+#include "detection/detection.hpp"
+#include "pose/measurements.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 
@@ -54,5 +56,19 @@ Association associate(const std::vector<ScanPoint>& points,
                       const std::vector<AssociationCandidate>& candidates,
                       const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance,
                       const SlamConfig& config);
+
+/// Motion of base from the keyframe to the scan, and the velocity of base during the scan.
+struct ScanMotionState {
+  Eigen::Vector3d T_keyframe_scan = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double speed_mps = 0.0;
+  double yaw_rate_radps = 0.0;
+};
+
+/// Converts the objects of a scan to points in base at the keyframe, each corrected for the motion
+/// up to its own beam. Wide or occluded objects and those labelled kObject get a larger covariance
+/// because their centre is ill-defined. Objects too far away, too wide or not finite are left out.
+std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
+                                   const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -15,7 +15,6 @@
 #include "geometry/pose2.hpp"
 #include "pose/graph/solver.hpp"
 #include "pose/graph/submaps.hpp"
-#include "pose/slam/occlusion.hpp"
 
 namespace orchard::pose {
 namespace {

@@ -6,11 +6,25 @@
 #include <vector>
 
 #include "geometry/point_grid.hpp"
+#include "geometry/visibility.hpp"
+#include "pose/field_of_view.hpp"
 #include "pose/graph/graph.hpp"
-#include "pose/slam/coverage.hpp"
-#include "pose/slam_config.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
+
+/// Min number of keyframes that confirm a landmark.
+inline constexpr int kConfirmKeyframes = 3;
+
+/// Returns the occlusion test for the objects that a keyframe observed, other than `except`.
+inline geometry::OcclusionTest occlusion_by(const Keyframe& keyframe, const SlamGraph& graph,
+                                            int except = -1) {
+  geometry::OcclusionTest occlusion;
+  for (const SlamObservation& o : keyframe.observations) {
+    if (o.landmark != except) occlusion.add(o.position(), graph.landmarks[o.landmark].width_m);
+  }
+  return occlusion;
+}
 
 /// Properties of the trees of a map that tell how likely two of them look like one.
 class TreeStatistics {

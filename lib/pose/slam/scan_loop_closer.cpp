@@ -7,17 +7,19 @@
 #include <utility>
 
 #include "geometry/pose2.hpp"
-#include "pose/scan_matching/scan_covariance.hpp"
 #include "pose/scan_matching/scan_matcher.hpp"
-#include "pose/slam/slam_undo.hpp"
-#include "pose/submap/pose_search.hpp"
+#include "pose/slam/pose_search.hpp"
+#include "pose/slam/slam_map.hpp"
 
 namespace orchard::pose {
+
 using geometry::between;
 using geometry::compose;
 using geometry::rotation;
-
 namespace {
+
+/// Side of the squares in which one return is kept [m].
+constexpr double kThinning_m = 0.10;
 
 /// Length of the parts of the path whose scans are registered to each other [m].
 constexpr double kStretch_m = 20.0;
@@ -115,6 +117,59 @@ Eigen::Matrix3d in_axes_of(const Eigen::Vector3d& T_map_base, const Eigen::Matri
 }
 
 }  // namespace
+
+KeyframeScans::KeyframeScans(std::shared_ptr<ChunkAllocator> memory)
+    : memory_(std::make_unique<RecordStore<Packed>>(
+          memory ? std::move(memory) : std::make_shared<HeapChunkAllocator>())) {}
+
+const KeyframeScans::Scan* KeyframeScans::find(int keyframe) const {
+  const auto scan =
+      std::lower_bound(scans_.begin(), scans_.end(), keyframe,
+                       [](const Scan& one, int other) { return one.keyframe < other; });
+  return scan != scans_.end() && scan->keyframe == keyframe ? &*scan : nullptr;
+}
+
+void KeyframeScans::keep(int keyframe, const std::vector<SurfacePoint>& points) {
+  std::vector<Packed> packed;
+  for (const SurfacePoint& point : thinned(points, kThinning_m)) {
+    const Eigen::Vector2f p = point.p.cast<float>();
+    const Eigen::Vector2f n = point.flat ? Eigen::Vector2f(point.normal.cast<float>())
+                                         : Eigen::Vector2f(Eigen::Vector2f::Zero());
+    packed.push_back({p.x(), p.y(), n.x(), n.y()});
+  }
+  const auto num_points = static_cast<std::uint32_t>(packed.size());
+  Scan scan{keyframe, num_points, memory_->keep(packed), nullptr};
+  if (scan.place.first == nullptr) scan.large = large_.emplace_back(std::move(packed)).data();
+  scans_.push_back(scan);
+}
+
+std::vector<SurfacePoint> KeyframeScans::points(int keyframe,
+                                                const Eigen::Vector3d& T_frame_base) const {
+  std::vector<SurfacePoint> points;
+  const Scan* scan = find(keyframe);
+  if (scan == nullptr) return points;
+  const Eigen::Matrix2d R = geometry::rotation(T_frame_base.z());
+  points.reserve(scan->num_points);
+  if (scan->large == nullptr) memory_->use(scan->place);
+  const Packed* const all = scan->large != nullptr ? scan->large : scan->place.first;
+  for (std::uint32_t i = 0; i < scan->num_points; ++i) {
+    const Packed& packed = all[i];
+    SurfacePoint point;
+    point.p = R * Eigen::Vector2d(packed.x_m, packed.y_m) + T_frame_base.head<2>();
+    point.normal = R * Eigen::Vector2d(packed.normal_x, packed.normal_y);
+    point.flat = packed.normal_x != 0.0f || packed.normal_y != 0.0f;
+    points.push_back(point);
+  }
+  return points;
+}
+
+std::vector<int> KeyframeScans::between(int first, int end) const {
+  std::vector<int> keyframes;
+  for (const Scan& scan : scans_) {
+    if (scan.keyframe >= first && scan.keyframe < end) keyframes.push_back(scan.keyframe);
+  }
+  return keyframes;
+}
 
 ScanLoopCloser::ScanLoopCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount,
                                std::shared_ptr<ChunkAllocator> memory)

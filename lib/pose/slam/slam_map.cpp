@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <utility>
@@ -11,15 +12,61 @@
 #include "geometry/pose2.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/submaps.hpp"
-#include "pose/slam/local_map.hpp"
 #include "pose/slam/same_tree.hpp"
 
 namespace orchard::pose {
+
 using geometry::compose;
 using geometry::rotation;
 using geometry::transform;
-
 namespace {
+
+/// Landmarks observed within this travel of a tracked one are covisible with it, in sight ranges.
+constexpr double kCovisibleTravel_ranges = 0.8;
+
+using Interval = std::pair<double, double>;  // of travel [m]
+
+/// Returns the intervals of travel in which landmarks tracked now were observed, plus a margin.
+std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start, double range_m) {
+  const double margin_m = kCovisibleTravel_ranges * range_m;
+  const std::vector<Keyframe>& keyframes = graph.keyframes;
+  std::vector<int> observed;
+  for (int k = static_cast<int>(keyframes.size()) - 1; k >= session_start; --k) {
+    if (keyframes.back().travel_m - keyframes[k].travel_m > kTrackedTravel_ranges * range_m) break;
+    for (const SlamObservation& s : keyframes[k].observations) observed.push_back(s.landmark);
+  }
+  std::sort(observed.begin(), observed.end());
+  observed.erase(std::unique(observed.begin(), observed.end()), observed.end());
+  std::vector<Interval> intervals;
+  for (const int l : observed) {
+    if (!graph.landmarks[l].confirmed) continue;
+    for (const int k : graph.landmarks[l].keyframes) {
+      intervals.emplace_back(keyframes[k].travel_m - margin_m, keyframes[k].travel_m + margin_m);
+    }
+  }
+  std::sort(intervals.begin(), intervals.end());
+  std::vector<Interval> joined;
+  for (const Interval& s : intervals) {
+    if (!joined.empty() && s.first <= joined.back().second) {
+      joined.back().second = std::max(joined.back().second, s.second);
+    } else {
+      joined.push_back(s);
+    }
+  }
+  return joined;
+}
+
+bool observed_in(const SlamGraph& graph, const SlamLandmark& landmark,
+                 const std::vector<Interval>& intervals) {
+  auto interval = intervals.begin();
+  for (const int k : landmark.keyframes) {
+    const double travel_m = graph.keyframes[k].travel_m;
+    while (interval != intervals.end() && interval->second < travel_m) ++interval;
+    if (interval == intervals.end()) return false;
+    if (interval->first <= travel_m) return true;
+  }
+  return false;
+}
 
 /// Min travel between the position fixes that georeference the map [m]; it must be large compared
 /// with their error.
@@ -51,6 +98,24 @@ constexpr double kContradicts_sigma = 3.0;
 constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace
+
+std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
+                           int session_start, double range_m, double radius_m) {
+  std::vector<int> found;
+  if (graph.keyframes.empty()) return found;
+  const Keyframe& now = graph.keyframes.back();
+  const std::vector<Interval> intervals = tracked_intervals(graph, session_start, range_m);
+  for (const int l : index.near(now.T_map_base.head<2>(), radius_m)) {
+    const SlamLandmark& landmark = graph.landmarks[l];
+    if (!landmark.alive || landmark.keyframes.empty()) continue;
+    const int last = landmark.keyframes.back();
+    const bool recent = last >= session_start && now.travel_m - graph.keyframes[last].travel_m <=
+                                                     kRecentTravel_ranges * range_m;
+    if (recent || (landmark.confirmed && observed_in(graph, landmark, intervals)))
+      found.push_back(l);
+  }
+  return found;
+}
 
 SlamMap::SlamMap(const SlamConfig& config, std::shared_ptr<ChunkAllocator> memory)
     : calibration(CalibrationPrior::initial(config)), config_(config) {
@@ -228,6 +293,48 @@ void SlamMap::georeference() {
     }
   }
   rebuild_index();
+}
+
+SlamMap SlamUndo::light_copy(SlamMap& map) {
+  std::vector<Keyframe> keyframes = std::move(map.graph.keyframes);
+  std::vector<SlamLandmark> landmarks = std::move(map.graph.landmarks);
+  map.graph.keyframes.clear();
+  map.graph.landmarks.clear();
+  SlamMap copy = map;
+  map.graph.keyframes = std::move(keyframes);
+  map.graph.landmarks = std::move(landmarks);
+  return copy;
+}
+
+SlamUndo::SlamUndo(SlamMap& map) : map_(map), others_(light_copy(map)) {
+  poses_.reserve(map.graph.keyframes.size());
+  for (const Keyframe& k : map.graph.keyframes) {
+    poses_.push_back({k.T_map_base, k.covariance, k.calibration_cross, k.calibration_covariance});
+  }
+  places_.reserve(map.graph.landmarks.size());
+  for (const SlamLandmark& l : map.graph.landmarks) places_.push_back({l.p_map, l.information});
+  map.graph.merges.emplace();
+}
+
+SlamUndo::~SlamUndo() { map_.graph.merges.reset(); }
+
+void SlamUndo::restore() {
+  SlamGraph& graph = map_.graph;
+  graph.undo_merges();
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    Keyframe& keyframe = graph.keyframes[k];
+    keyframe.T_map_base = poses_[k].T_map_base;
+    keyframe.covariance = poses_[k].covariance;
+    keyframe.calibration_cross = poses_[k].calibration_cross;
+    keyframe.calibration_covariance = poses_[k].calibration_covariance;
+  }
+  for (std::size_t l = 0; l < places_.size(); ++l) {
+    graph.landmarks[l].p_map = places_[l].p_map;
+    graph.landmarks[l].information = places_[l].information;
+  }
+  std::swap(others_.graph.keyframes, graph.keyframes);
+  std::swap(others_.graph.landmarks, graph.landmarks);
+  map_ = std::move(others_);
 }
 
 }  // namespace orchard::pose

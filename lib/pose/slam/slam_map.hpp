@@ -7,13 +7,28 @@
 #include <vector>
 
 #include "geometry/point_grid.hpp"
+#include "pose/field_of_view.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/graph/solver.hpp"
-#include "pose/slam/coverage.hpp"
-#include "pose/slam/scan_points.hpp"
-#include "pose/slam_config.hpp"
+#include "pose/pose_config.hpp"
+#include "pose/slam/association.hpp"
 
 namespace orchard::pose {
+
+/// Travel within which an observed landmark stays in the local map, in sight ranges: a landmark is
+/// in view over twice the range while the robot passes it.
+inline constexpr double kRecentTravel_ranges = 2.0;
+
+/// Travel within which an observed landmark counts as tracked now, in sight ranges.
+inline constexpr double kTrackedTravel_ranges = 0.3;
+
+/// Returns the landmarks, ascending, whose position relative to the robot is certain enough for the
+/// association of single observations: those observed within the last kRecentTravel_ranges of
+/// travel of the session, and those covisible with tracked ones on any pass. Other nearby landmarks
+/// may be displaced by drift and are left to loop closure. `session_start` is the first keyframe of
+/// the session, `range_m` the sight range, `radius_m` the search radius about the robot.
+std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
+                           int session_start, double range_m, double radius_m);
 
 /// Reason for a solve of the whole graph.
 enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kDuplicatesAtEnd };
@@ -91,6 +106,38 @@ class SlamMap {
 
   SlamConfig config_;  ///< submap_length_m grows with the work of the solves
   int num_kept_ = 0;   ///< keyframes whose observations archive_old_observations() has moved
+};
+
+/// Undoes a wrong loop closure: merges and a solve of the whole graph. It stores what these change,
+/// less than half of the map: most of a keyframe is its motion and observations, which they keep.
+class SlamUndo {
+ public:
+  /// Begins to record the merges of `map`, which must outlive this object.
+  explicit SlamUndo(SlamMap& map);
+  ~SlamUndo();
+  SlamUndo(const SlamUndo&) = delete;
+  SlamUndo& operator=(const SlamUndo&) = delete;
+
+  /// Restores the map as it was; call it at most once.
+  void restore();
+
+ private:
+  struct Pose {
+    Eigen::Vector3d T_map_base;
+    Eigen::Matrix3d covariance, calibration_cross, calibration_covariance;
+  };
+  struct Place {
+    Eigen::Vector2d p_map;
+    Eigen::Matrix2d information;
+  };
+
+  /// Copies everything except keyframes and landmarks.
+  static SlamMap light_copy(SlamMap& map);
+
+  SlamMap& map_;
+  SlamMap others_;  ///< everything except keyframes and landmarks
+  std::vector<Pose> poses_;
+  std::vector<Place> places_;
 };
 
 }  // namespace orchard::pose

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/compose_covariance.hpp"
+#include "pose/motion.hpp"
 #include "pose/slam/association.hpp"
-#include "pose/slam/local_map.hpp"
-#include "pose/slam/occlusion.hpp"
+#include "pose/slam/same_tree.hpp"
+#include "pose/slam/slam_map.hpp"
 
 namespace orchard::pose {
 using geometry::between;

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "pose/slam/scan_points.hpp"
+#include "pose/pose_config.hpp"
+#include "pose/slam/association.hpp"
 #include "pose/slam/slam_map.hpp"
-#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

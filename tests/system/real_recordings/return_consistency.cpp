@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "pose/arc_motion.hpp"
+#include "pose/motion.hpp"
 
 namespace orchard::test {
 namespace {

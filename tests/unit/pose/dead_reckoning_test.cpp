@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/dead_reckoning.hpp"
+#include "pose/motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Modes `fixes`, `odometry` and `fixes_and_odometry`.
-#include "pose/make_localiser.hpp"
+#include "pose/localiser.hpp"
 
 #include <gtest/gtest.h>
 

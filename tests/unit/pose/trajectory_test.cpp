@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/trajectory.hpp"
+#include "pose/pose_estimate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "pose/filter/fusion.hpp"
-#include "pose/make_localiser.hpp"
+#include "pose/localiser.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 

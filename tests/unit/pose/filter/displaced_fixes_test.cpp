@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Truth: a straight path that is known, and a receiver with white noise, an error that wanders in a
 // minute, and two reflections of constant displacement.
-#include "pose/filter/displaced_fixes.hpp"
+#include "pose/filter/fix_hypotheses.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Truth: probabilities by Bayes' rule, worked by hand.
-#include "pose/filter/displacement_histories.hpp"
+#include "pose/filter/fix_hypotheses.hpp"
 
 #include <gtest/gtest.h>
 

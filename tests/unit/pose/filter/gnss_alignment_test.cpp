@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/filter/gnss_alignment.hpp"
+#include "pose/filter/gnss_positions.hpp"
 
 #include <gtest/gtest.h>
 

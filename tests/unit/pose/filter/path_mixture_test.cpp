@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Truth: poses drawn from the mixture.
-#include "pose/filter/path_mixture.hpp"
+#include "pose/filter/path_smoother.hpp"
 
 #include <gtest/gtest.h>
 

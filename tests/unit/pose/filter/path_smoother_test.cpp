@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
-#include "pose/arc_motion.hpp"
+#include "pose/motion.hpp"
 
 namespace orchard::pose {
 namespace {

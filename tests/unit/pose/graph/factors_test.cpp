@@ -7,9 +7,8 @@
 #include <memory>
 
 #include "geometry/pose2.hpp"
-#include "pose/arc_motion.hpp"
-#include "pose/compose_covariance.hpp"
-#include "pose/graph/joint_covariance.hpp"
+#include "pose/graph/calibration.hpp"
+#include "pose/motion.hpp"
 #include "unit/central_difference.hpp"
 
 namespace orchard::pose {

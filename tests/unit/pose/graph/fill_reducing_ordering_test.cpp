@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/graph/fill_reducing_ordering.hpp"
+#include "pose/graph/normal_equations.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/graph/joint_covariance.hpp"
+#include "pose/graph/calibration.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/graph/motion.hpp"
+#include "pose/motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include "geometry/pose2.hpp"
-#include "pose/compose_covariance.hpp"
-#include "pose/dead_reckoning.hpp"
 
 namespace orchard::pose {
 using geometry::compose;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/graph/observation_list.hpp"
+#include "pose/graph/graph.hpp"
 
 #include <gtest/gtest.h>
 

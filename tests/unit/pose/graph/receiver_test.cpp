@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "pose/graph/georeference.hpp"
-#include "pose/graph/receiver_model.hpp"
 #include "pose/graph/solver.hpp"
 #include "simulation/random.hpp"
 #include "unit/nees_band.hpp"

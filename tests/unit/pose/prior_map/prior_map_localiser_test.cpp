@@ -10,7 +10,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
-#include "pose/make_localiser.hpp"
+#include "pose/localiser.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 #include "unit/pose/scan_matching/cast_world.hpp"
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "pose/prior_map/scan_observations.hpp"
-#include "pose/prior_map/tree_detection_monitor.hpp"
+#include "pose/prior_map/local_map.hpp"
+#include "pose/prior_map/tracker.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 
 namespace orchard::pose {

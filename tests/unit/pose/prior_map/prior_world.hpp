@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "pose/measurement.hpp"
+#include "pose/measurements.hpp"
 #include "pose/prior_map/prior_map.hpp"
 
 namespace orchard::pose {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/lattice_residual.hpp"
+#include "pose/slam/loop_closer.hpp"
 
 #include <gtest/gtest.h>
 

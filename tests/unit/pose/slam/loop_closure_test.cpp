@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/loop_closure.hpp"
 #include "geometry/pose2.hpp"
+#include "pose/slam/loop_closer.hpp"
 
 #include <gtest/gtest.h>
 

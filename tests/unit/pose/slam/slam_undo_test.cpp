@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/slam_undo.hpp"
+#include "pose/slam/slam_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/submap/keyframe_scans.hpp"
+#include "pose/slam/scan_loop_closer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/submap/pose_search.hpp"
+#include "pose/slam/pose_search.hpp"
 
 #include <gtest/gtest.h>
 

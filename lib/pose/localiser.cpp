@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/make_localiser.hpp"
+#include "pose/localiser.hpp"
 
+#include <optional>
 #include <utility>
 
 #include "pose/expected_measurements.hpp"
-#include "pose/filter/fixes.hpp"
 #include "pose/filter/fusion.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
-#include "pose/scan_matching/scan_odometry.hpp"
-#include "pose/slam/slam_localiser.hpp"
-#include "pose/stationary.hpp"
+#include "pose/scan_matching/scan_motion.hpp"
+#include "pose/slam/trunk_slam.hpp"
 
 namespace orchard::pose {
+namespace {
+
+/// Localiser of a robot that stands at the map's origin: every measurement gives the origin at its
+/// utime.
+class Stationary : public Localiser {
+ public:
+  void add(const Measurement& measurement) override {
+    PoseEstimate origin;
+    origin.utime = utime_of(measurement);
+    estimate_ = origin;
+  }
+  std::optional<PoseEstimate> estimate() const override { return estimate_; }
+
+ private:
+  std::optional<PoseEstimate> estimate_;
+};
+
+}  // namespace
+
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const PriorMapData& earlier,
                                           const laser::LaserConfig& laser,
                                           const laser::BlindSector& blind,

@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/dead_reckoning.hpp"
+#include "pose/motion.hpp"
+
+#include <mrpt/poses/CPosePDFGaussian.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
+
+using geometry::compose;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using mrpt::poses::CPosePDFGaussian;
 namespace {
+
+CPosePDFGaussian gaussian(const Eigen::Vector3d& T, const Eigen::Matrix3d& P) {
+  return {mrpt::poses::CPose2D(T.x(), T.y(), T.z()), mrpt::math::CMatrixDouble33(P)};
+}
 
 /// Standard deviation of the speed against the last measured one in a gap [m/s].
 constexpr double kGapSpeedSd_mps = 0.5;
@@ -16,6 +28,61 @@ constexpr double kGapSpeedSd_mps = 0.5;
 constexpr double kGapYawRateSd_radps = 0.3;
 
 }  // namespace
+
+Eigen::Vector3d arc_motion(double speed_mps, double yaw_rate_radps, double dt_s) {
+  const double turn_rad = yaw_rate_radps * dt_s;
+  const double length_m = speed_mps * dt_s;
+  // sin(t)/t and (1-cos(t))/t; by their series for small t, where the quotients lose precision.
+  const bool small = std::abs(turn_rad) < 1e-4;
+  const double sinc = small ? 1.0 - turn_rad * turn_rad / 6.0 : std::sin(turn_rad) / turn_rad;
+  const double cosc = small ? turn_rad / 2.0 : (1.0 - std::cos(turn_rad)) / turn_rad;
+  return {length_m * sinc, length_m * cosc, turn_rad};
+}
+
+Eigen::Matrix<double, 3, 2> arc_jacobian(double speed_mps, double yaw_rate_radps, double dt_s) {
+  const double half_turn_rad = 0.5 * yaw_rate_radps * dt_s;
+  const double c = std::cos(half_turn_rad);
+  const double s = std::sin(half_turn_rad);
+  Eigen::Matrix<double, 3, 2> J;
+  J << dt_s * c, -0.5 * speed_mps * dt_s * dt_s * s, dt_s * s, 0.5 * speed_mps * dt_s * dt_s * c,
+      0.0, dt_s;
+  return J;
+}
+
+Eigen::Matrix3d compose_covariance(const Eigen::Vector3d& T_a_b, const Eigen::Matrix3d& P_ab,
+                                   const Eigen::Vector3d& T_b_c, const Eigen::Matrix3d& P_bc) {
+  CPosePDFGaussian T_a_c = gaussian(T_a_b, P_ab);
+  T_a_c += gaussian(T_b_c, P_bc);
+  const Eigen::Matrix3d P = T_a_c.cov.asEigen();
+  return 0.5 * (P + P.transpose());
+}
+
+Eigen::Vector3d RelativeMotion::delta_with(const OdometryCalibration& other) const {
+  return delta + calibration_jacobian * (other - calibration);
+}
+
+void RelativeMotion::drive(double speed_mps, double yaw_rate_radps,
+                           const std::array<double, 3>& velocity_covariance, double dt_s) {
+  const double v_mps = (1.0 + calibration[0]) * speed_mps;
+  const double w_radps = (1.0 + calibration[1]) * yaw_rate_radps - calibration[2];
+  const Eigen::Matrix<double, 3, 2> J_velocity = arc_jacobian(v_mps, w_radps, dt_s);
+  Eigen::Matrix<double, 2, 3> velocity_calibration;
+  velocity_calibration << speed_mps, 0.0, 0.0, 0.0, yaw_rate_radps, -1.0;
+  Eigen::Matrix2d Q;
+  Q << velocity_covariance[0], velocity_covariance[1], velocity_covariance[1],
+      velocity_covariance[2];
+  const Eigen::Matrix3d F = compose_jacobian_second(delta);
+  append(arc_motion(v_mps, w_radps, dt_s), J_velocity * Q * J_velocity.transpose());
+  calibration_jacobian += F * J_velocity * velocity_calibration;
+}
+
+void RelativeMotion::append(const Eigen::Vector3d& T_now_next,
+                            const Eigen::Matrix3d& step_covariance) {
+  covariance = compose_covariance(delta, covariance, T_now_next, step_covariance);
+  calibration_jacobian = compose_jacobian_first(delta, T_now_next) * calibration_jacobian;
+  delta = compose(delta, T_now_next);
+  travel_m += T_now_next.head<2>().norm();
+}
 
 void DeadReckoning::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
   speed_sd_fraction_ = speed_sd_fraction;

@@ -49,6 +49,18 @@ Eigen::Matrix<double, 3, 2> arc_jacobian(double speed_mps, double yaw_rate_radps
   return J;
 }
 
+PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T_map_base,
+                           const Eigen::Matrix3d& covariance) {
+  PoseEstimate pose;
+  pose.utime = utime;
+  pose.x_m = T_map_base.x();
+  pose.y_m = T_map_base.y();
+  pose.yaw_rad = T_map_base.z();
+  const Eigen::Matrix3d& P = covariance;
+  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  return pose;
+}
+
 Eigen::Matrix3d compose_covariance(const Eigen::Vector3d& T_a_b, const Eigen::Matrix3d& P_ab,
                                    const Eigen::Vector3d& T_b_c, const Eigen::Matrix3d& P_bc) {
   CPosePDFGaussian T_a_c = gaussian(T_a_b, P_ab);

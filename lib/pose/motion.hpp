@@ -8,6 +8,7 @@
 
 #include "pose/measurements.hpp"
 #include "pose/pose_config.hpp"
+#include "pose/pose_estimate.hpp"
 
 namespace orchard::pose {
 
@@ -18,6 +19,10 @@ Eigen::Vector3d arc_motion(double speed_mps, double yaw_rate_radps, double dt_s)
 /// Returns d(arc_motion) / d(speed, yaw rate), to first order in the turn: accurate enough to
 /// propagate the noise of one interval.
 Eigen::Matrix<double, 3, 2> arc_jacobian(double speed_mps, double yaw_rate_radps, double dt_s);
+
+/// Returns a pose T_map_base (x [m], y [m], yaw [rad]) with its covariance as an estimate.
+PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T_map_base,
+                           const Eigen::Matrix3d& covariance);
 
 /// Covariance of T_a_b * T_b_c, all as (x [m], y [m], yaw [rad]), if the errors of the two are
 /// independent; symmetric.

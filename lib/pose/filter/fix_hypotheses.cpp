@@ -13,6 +13,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
 #include "pose/graph/georeference.hpp"
+#include "pose/motion.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
@@ -344,13 +345,7 @@ PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {
     const double weight = best_weight() * std::exp(h.log_weight - best().log_weight);
     P += weight * (h.filter.covariance().topLeftCorner<3, 3>() + off * off.transpose());
   }
-  PoseEstimate pose;
-  pose.utime = utime;
-  pose.x_m = mean.x();
-  pose.y_m = mean.y();
-  pose.yaw_rad = mean.z();
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
+  return pose_estimate(utime, mean, P);
 }
 
 void mark_displaced(const std::vector<DisplacedTime>& displaced, SlamGraph& graph) {

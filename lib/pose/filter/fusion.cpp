@@ -11,6 +11,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/motion.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::pose {
@@ -62,12 +63,8 @@ void Fixes::add(const Measurement& measurement) {
   const auto* fix = std::get_if<PoseFix>(&measurement);
   if (fix == nullptr) return;
   const Eigen::Matrix3d R = fix_covariance(*fix, config_);
-  PoseEstimate pose;
-  pose.utime = fix->utime;
-  pose.x_m = fix->x_m;
-  pose.y_m = fix->y_m;
-  pose.yaw_rad = geometry::wrap_angle_rad(fix->yaw_rad);
-  pose.covariance = {R(0, 0), R(0, 1), R(0, 2), R(1, 1), R(1, 2), R(2, 2)};
+  PoseEstimate pose =
+      pose_estimate(fix->utime, {fix->x_m, fix->y_m, geometry::wrap_angle_rad(fix->yaw_rad)}, R);
   if (!fix->has_yaw) {
     if (!baseline_start_) baseline_start_ = *fix;
     const double dx_m = fix->x_m - baseline_start_->x_m;

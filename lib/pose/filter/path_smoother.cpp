@@ -58,17 +58,6 @@ SlamConfig graph_config(const PoseConfig& config) {
   return graph;
 }
 
-PoseEstimate pose_estimate(const Keyframe& k) {
-  PoseEstimate pose;
-  pose.utime = k.utime;
-  pose.x_m = k.T_map_base.x();
-  pose.y_m = k.T_map_base.y();
-  pose.yaw_rad = k.T_map_base.z();
-  const Eigen::Matrix3d& P = k.covariance;
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
-}
-
 }  // namespace
 
 std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths) {
@@ -315,7 +304,9 @@ std::optional<Trajectory> PathSmoother::take_correction() {
 std::vector<PoseEstimate> PathSmoother::path() const {
   std::vector<PoseEstimate> poses;
   poses.reserve(graph_.keyframes.size());
-  for (const Keyframe& k : graph_.keyframes) poses.push_back(pose_estimate(k));
+  for (const Keyframe& k : graph_.keyframes) {
+    poses.push_back(pose_estimate(k.utime, k.T_map_base, k.covariance));
+  }
   return poses;
 }
 

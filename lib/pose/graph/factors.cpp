@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "pose/pose_config.hpp"
@@ -24,12 +25,6 @@ double receiver_sd_m(const ReceiverModel& model, const ReceiverError& error) {
   return std::hypot(kReceiverSdMin_m, std::sqrt(model.correlated * error.claimed_variance));
 }
 
-template <int Rows, int Columns>
-using RowMajor = Eigen::Map<
-    Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>>;
-using Vector2Map = Eigen::Map<const Eigen::Vector2d>;
-using Vector3Map = Eigen::Map<const Eigen::Vector3d>;
-
 /// Returns d(R(yaw)) / d(yaw) * v, given rotated = R(yaw) * v.
 Eigen::Vector2d turned(const Eigen::Vector2d& rotated) { return {-rotated.y(), rotated.x()}; }
 
@@ -42,213 +37,79 @@ Eigen::Matrix<double, Size, Size> whitening(const Eigen::Matrix<double, Size, Si
   return P.inverse().llt().matrixU();
 }
 
-class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
- public:
-  MotionFactor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
+/// One evaluation of a factor with `Rows` residuals.
+template <int Rows>
+struct Evaluation {
+  double const* const* parameters;
+  double* residuals;
+  double** jacobians;  ///< null: not wanted, as are null ones among them
 
- private:
-  RelativeMotion motion_;
-  Eigen::Matrix3d W_;
+  template <int Size>
+  Eigen::Map<const Eigen::Matrix<double, Size, 1>> at(int block) const {
+    return Eigen::Map<const Eigen::Matrix<double, Size, 1>>(parameters[block]);
+  }
+  template <class Values>
+  void set_residual(const Values& values) const {
+    Eigen::Map<Eigen::Matrix<double, Rows, 1>>{residuals} = values;
+  }
+  bool wants_derivative(int block) const {
+    return jacobians != nullptr && jacobians[block] != nullptr;
+  }
+  template <class Values>
+  void set_derivative(int block, const Values& values) const {
+    constexpr int kColumns = Values::ColsAtCompileTime;
+    constexpr int kOrder = kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor;
+    if (!wants_derivative(block)) return;
+    Eigen::Map<Eigen::Matrix<double, Rows, kColumns, kOrder>>{jacobians[block]} = values;
+  }
 };
 
-class LandmarkPriorFactor : public ceres::SizedCostFunction<2, 2> {
- public:
-  LandmarkPriorFactor(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  Eigen::Vector2d p_map_;
-  Eigen::Matrix2d W_;
-};
-
-class CalibrationPriorFactor : public ceres::SizedCostFunction<3, 3> {
- public:
-  CalibrationPriorFactor(const OdometryCalibration& mean, const Eigen::Matrix3d& covariance);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  OdometryCalibration mean_;
-  Eigen::Matrix3d W_;
-};
-
-class CalibrationWalkFactor : public ceres::SizedCostFunction<3, 3, 3> {
- public:
-  CalibrationWalkFactor(const Eigen::Vector3d& kept, const Eigen::Vector3d& sd);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  Eigen::Vector3d kept_;
-  Eigen::Vector3d inverse_sd_;
-};
-
-class AbsolutePositionFactor : public ceres::SizedCostFunction<2, 3> {
- public:
-  explicit AbsolutePositionFactor(const AbsolutePosition& position);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  Eigen::Vector2d p_base_;  //< the point, in base at the keyframe
-  Eigen::Vector2d p_map_;
-  Eigen::Matrix2d W_;
-};
-
-class ReceiverPositionFactor : public ceres::SizedCostFunction<2, 3, 2> {
- public:
-  ReceiverPositionFactor(const AbsolutePosition& position, double noise)
-      : p_base_(transform(position.T_keyframe_then, position.lever_base_m)),
-        p_map_(position.p_map),
-        W_(whitening(Eigen::Matrix2d(noise * position.covariance))) {}
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Vector3Map T(parameters[0]);
-    const Eigen::Vector2d arm = rotation(T.z()) * p_base_;
-    Eigen::Map<Eigen::Vector2d>{residuals} =
-        W_ * (T.head<2>() + arm + Vector2Map(parameters[1]) - p_map_);
-    if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) {
-      RowMajor<2, 3> J{jacobians[0]};
-      J.leftCols<2>() = W_;
-      J.col(2) = W_ * turned(arm);
+/// A factor of `Rows` residuals and parameter blocks of these sizes; `evaluate` takes an
+/// Evaluation.
+template <int Rows, int... Sizes, class Function>
+ceres::CostFunction* new_factor(Function evaluate) {
+  class Factor : public ceres::SizedCostFunction<Rows, Sizes...> {
+   public:
+    explicit Factor(Function evaluate) : evaluate_(std::move(evaluate)) {}
+    bool Evaluate(double const* const* parameters, double* residuals,
+                  double** jacobians) const override {
+      evaluate_(Evaluation<Rows>{parameters, residuals, jacobians});
+      return true;
     }
-    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = W_;
-    return true;
-  }
 
- private:
-  Eigen::Vector2d p_base_;
-  Eigen::Vector2d p_map_;
-  Eigen::Matrix2d W_;
-};
-
-class ReceiverErrorFactor : public ceres::SizedCostFunction<2, 2, 2> {
- public:
-  ReceiverErrorFactor(double kept, double sd_m) : kept_(kept), inverse_sd_(1.0 / sd_m) {}
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    Eigen::Map<Eigen::Vector2d>{residuals} =
-        inverse_sd_ * (Vector2Map(parameters[1]) - kept_ * Vector2Map(parameters[0]));
-    if (jacobians == nullptr) return true;
-    const Eigen::Matrix2d J = inverse_sd_ * Eigen::Matrix2d::Identity();
-    if (jacobians[0] != nullptr) RowMajor<2, 2>{jacobians[0]} = -kept_ * J;
-    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = J;
-    return true;
-  }
-
- private:
-  double kept_;
-  double inverse_sd_;
-};
-
-class HeadingFactor : public ceres::SizedCostFunction<1, 3> {
- public:
-  explicit HeadingFactor(const AbsolutePosition& position);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  double yaw_rad_;  //< of the keyframe
-  double inverse_sd_;
-};
-
-MotionFactor::MotionFactor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance)
-    : motion_(motion), W_(whitening(covariance)) {}
-
-bool MotionFactor::Evaluate(double const* const* parameters, double* residuals,
-                            double** jacobians) const {
-  const Vector3Map a(parameters[0]);
-  const Vector3Map b(parameters[1]);
-  const Vector3Map calibration(parameters[2]);
-  Eigen::Vector3d error = between(a, b) - motion_.delta_with(calibration);
-  error.z() = geometry::wrap_angle_rad(error.z());
-  Eigen::Map<Eigen::Vector3d>{residuals} = W_ * error;
-  if (jacobians == nullptr) return true;
-  const Eigen::Matrix2d R_t = rotation(a.z()).transpose();
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J.topLeftCorner<2, 2>() = R_t;
-  if (jacobians[1] != nullptr) RowMajor<3, 3>{jacobians[1]} = W_ * J;
-  if (jacobians[0] != nullptr) {
-    J = -J;
-    J.topRightCorner<2, 1>() = -turned(R_t * (b - a).head<2>());
-    RowMajor<3, 3>{jacobians[0]} = W_ * J;
-  }
-  if (jacobians[2] != nullptr) RowMajor<3, 3>{jacobians[2]} = -W_ * motion_.calibration_jacobian;
-  return true;
+   private:
+    Function evaluate_;
+  };
+  return new Factor(std::move(evaluate));
 }
 
-LandmarkPriorFactor::LandmarkPriorFactor(const Eigen::Vector2d& p_map,
-                                         const Eigen::Matrix2d& covariance)
-    : p_map_(p_map), W_(whitening(covariance)) {}
-
-bool LandmarkPriorFactor::Evaluate(double const* const* parameters, double* residuals,
-                                   double** jacobians) const {
-  Eigen::Map<Eigen::Vector2d>{residuals} = W_ * (Vector2Map(parameters[0]) - p_map_);
-  if (jacobians != nullptr && jacobians[0] != nullptr) RowMajor<2, 2>{jacobians[0]} = W_;
-  return true;
-}
-
-CalibrationPriorFactor::CalibrationPriorFactor(const OdometryCalibration& mean,
-                                               const Eigen::Matrix3d& covariance)
-    : mean_(mean), W_(whitening(covariance)) {}
-
-bool CalibrationPriorFactor::Evaluate(double const* const* parameters, double* residuals,
-                                      double** jacobians) const {
-  Eigen::Map<Eigen::Vector3d>{residuals} = W_ * (Vector3Map(parameters[0]) - mean_);
-  if (jacobians != nullptr && jacobians[0] != nullptr) RowMajor<3, 3>{jacobians[0]} = W_;
-  return true;
-}
-
-CalibrationWalkFactor::CalibrationWalkFactor(const Eigen::Vector3d& kept, const Eigen::Vector3d& sd)
-    : kept_(kept), inverse_sd_((sd.array() + 1e-6).inverse().matrix()) {}
-
-bool CalibrationWalkFactor::Evaluate(double const* const* parameters, double* residuals,
-                                     double** jacobians) const {
-  Eigen::Map<Eigen::Vector3d>{residuals} = inverse_sd_.cwiseProduct(
-      Vector3Map(parameters[1]) - kept_.cwiseProduct(Vector3Map(parameters[0])));
-  if (jacobians == nullptr) return true;
-  if (jacobians[0] != nullptr) {
-    RowMajor<3, 3>{jacobians[0]} = (-inverse_sd_.cwiseProduct(kept_)).asDiagonal();
+/// Position in map of a point of base that W whitens, minus the measured one; with the receiver's
+/// error as a second parameter if `has_error`.
+void evaluate_position(const Evaluation<2>& e, const Eigen::Vector2d& p_base,
+                       const Eigen::Vector2d& p_map, const Eigen::Matrix2d& W, bool has_error) {
+  const auto T = e.at<3>(0);
+  const Eigen::Vector2d arm = rotation(T.z()) * p_base;
+  if (has_error) {
+    e.set_residual(W * (T.head<2>() + arm + e.at<2>(1) - p_map));
+    e.set_derivative(1, W);
+  } else {
+    e.set_residual(W * (T.head<2>() + arm - p_map));
   }
-  if (jacobians[1] != nullptr) RowMajor<3, 3>{jacobians[1]} = inverse_sd_.asDiagonal();
-  return true;
+  if (!e.wants_derivative(0)) return;
+  Eigen::Matrix<double, 2, 3> J;
+  J.leftCols<2>() = W;
+  J.col(2) = W * turned(arm);
+  e.set_derivative(0, J);
 }
 
-AbsolutePositionFactor::AbsolutePositionFactor(const AbsolutePosition& position)
-    : p_base_(transform(position.T_keyframe_then, position.lever_base_m)),
-      p_map_(position.p_map),
-      W_(whitening(position.covariance)) {}
-
-bool AbsolutePositionFactor::Evaluate(double const* const* parameters, double* residuals,
-                                      double** jacobians) const {
-  const Vector3Map T(parameters[0]);
-  const Eigen::Vector2d arm = rotation(T.z()) * p_base_;
-  Eigen::Map<Eigen::Vector2d>{residuals} = W_ * (T.head<2>() + arm - p_map_);
-  if (jacobians != nullptr && jacobians[0] != nullptr) {
-    RowMajor<2, 3> J{jacobians[0]};
-    J.leftCols<2>() = W_;
-    J.col(2) = W_ * turned(arm);
-  }
-  return true;
-}
-
-HeadingFactor::HeadingFactor(const AbsolutePosition& position)
-    : yaw_rad_(position.yaw_rad - position.T_keyframe_then.z()),
-      inverse_sd_(1.0 / position.yaw_sd_rad) {}
-
-bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
-                             double** jacobians) const {
-  residuals[0] = inverse_sd_ * geometry::wrap_angle_rad(parameters[0][2] - yaw_rad_);
-  if (jacobians != nullptr && jacobians[0] != nullptr) {
-    RowMajor<1, 3>{jacobians[0]} << 0.0, 0.0, inverse_sd_;
-  }
-  return true;
+/// A parameter block minus its prior mean, whitened by W.
+template <int Size>
+ceres::CostFunction* prior_factor(const Eigen::Matrix<double, Size, 1>& mean,
+                                  const Eigen::Matrix<double, Size, Size>& covariance) {
+  return new_factor<Size, Size>([mean, W = whitening(covariance)](const Evaluation<Size>& e) {
+    e.set_residual(W * (e.template at<Size>(0) - mean));
+    e.set_derivative(0, W);
+  });
 }
 
 }  // namespace
@@ -269,40 +130,86 @@ Eigen::Matrix<double, 2, 3> ObservationResidual::by_pose(const BasePlacement& ba
 
 ceres::CostFunction* motion_factor(const RelativeMotion& motion,
                                    const Eigen::Matrix3d& covariance) {
-  return new MotionFactor(motion, covariance);
+  return new_factor<3, 3, 3, 3>([motion, W = whitening(covariance)](const Evaluation<3>& e) {
+    const Eigen::Vector3d a = e.at<3>(0), b = e.at<3>(1);
+    Eigen::Vector3d error = between(a, b) - motion.delta_with(e.at<3>(2));
+    error.z() = geometry::wrap_angle_rad(error.z());
+    e.set_residual(W * error);
+    if (e.jacobians == nullptr) return;
+    const Eigen::Matrix2d R_t = rotation(a.z()).transpose();
+    Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
+    J.topLeftCorner<2, 2>() = R_t;
+    e.set_derivative(1, W * J);
+    J = -J;
+    J.topRightCorner<2, 1>() = -turned(R_t * (b - a).head<2>());
+    e.set_derivative(0, W * J);
+    e.set_derivative(2, -W * motion.calibration_jacobian);
+  });
 }
+
 ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
                                            const Eigen::Matrix2d& covariance) {
-  return new LandmarkPriorFactor(p_map, covariance);
+  return prior_factor(p_map, covariance);
 }
+
 ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
                                               const Eigen::Matrix3d& covariance) {
-  return new CalibrationPriorFactor(mean, covariance);
+  return prior_factor(mean, covariance);
 }
+
 ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& kept,
                                              const Eigen::Vector3d& sd) {
-  return new CalibrationWalkFactor(kept, sd);
+  const Eigen::Vector3d inverse_sd = (sd.array() + 1e-6).inverse().matrix();
+  return new_factor<3, 3, 3>([kept, inverse_sd](const Evaluation<3>& e) {
+    e.set_residual(inverse_sd.cwiseProduct(e.at<3>(1) - kept.cwiseProduct(e.at<3>(0))));
+    e.set_derivative(0, Eigen::Matrix3d((-inverse_sd.cwiseProduct(kept)).asDiagonal()));
+    e.set_derivative(1, Eigen::Matrix3d(inverse_sd.asDiagonal()));
+  });
 }
+
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position) {
-  return new AbsolutePositionFactor(position);
+  return new_factor<2, 3>([p_base = transform(position.T_keyframe_then, position.lever_base_m),
+                           p_map = position.p_map,
+                           W = whitening(position.covariance)](const Evaluation<2>& e) {
+    evaluate_position(e, p_base, p_map, W, false);
+  });
 }
+
 ceres::CostFunction* receiver_position_factor(const AbsolutePosition& position, double noise) {
-  return new ReceiverPositionFactor(position, noise);
+  return new_factor<2, 3, 2>(
+      [p_base = transform(position.T_keyframe_then, position.lever_base_m), p_map = position.p_map,
+       W = whitening(Eigen::Matrix2d(noise * position.covariance))](const Evaluation<2>& e) {
+        evaluate_position(e, p_base, p_map, W, true);
+      });
 }
+
 ceres::CostFunction* receiver_error_factor(const ReceiverModel& model, const ReceiverError& before,
                                            const ReceiverError& after) {
   const double dt_s = 1e-6 * static_cast<double>(after.utime - before.utime);
   const double kept = std::exp(-dt_s / kReceiverMemory_s);
-  return new ReceiverErrorFactor(kept, receiver_sd_m(model, after) * std::sqrt(1.0 - kept * kept));
+  const double inverse_sd = 1.0 / (receiver_sd_m(model, after) * std::sqrt(1.0 - kept * kept));
+  return new_factor<2, 2, 2>([kept, inverse_sd](const Evaluation<2>& e) {
+    e.set_residual(inverse_sd * (e.at<2>(1) - kept * e.at<2>(0)));
+    const Eigen::Matrix2d J = inverse_sd * Eigen::Matrix2d::Identity();
+    e.set_derivative(0, -kept * J);
+    e.set_derivative(1, J);
+  });
 }
+
 ceres::CostFunction* receiver_error_prior_factor(const ReceiverModel& model,
                                                  const ReceiverError& error) {
   const double sd_m = receiver_sd_m(model, error);
-  return new LandmarkPriorFactor(Eigen::Vector2d::Zero(),
-                                 sd_m * sd_m * Eigen::Matrix2d::Identity());
+  return landmark_prior_factor(Eigen::Vector2d::Zero(), sd_m * sd_m * Eigen::Matrix2d::Identity());
 }
+
 ceres::CostFunction* heading_factor(const AbsolutePosition& position) {
-  return new HeadingFactor(position);
+  const double yaw_rad = position.yaw_rad - position.T_keyframe_then.z();  // of the keyframe
+  const double inverse_sd = 1.0 / position.yaw_sd_rad;
+  return new_factor<1, 3>([yaw_rad, inverse_sd](const Evaluation<1>& e) {
+    using Scalar = Eigen::Matrix<double, 1, 1>;
+    e.set_residual(Scalar(inverse_sd * geometry::wrap_angle_rad(e.at<3>(0).z() - yaw_rad)));
+    e.set_derivative(0, Eigen::RowVector3d(0.0, 0.0, inverse_sd));
+  });
 }
 
 }  // namespace orchard::pose

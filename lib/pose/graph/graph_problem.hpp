@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,83 +17,15 @@
 #include "pose/graph/factors.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/graph/normal_equations.hpp"
-#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
-
-/// Change of all unknowns in one iteration.
-struct LeastSquaresStep {
-  Eigen::VectorXd change;
-  double gain = 0.0;  ///< decrease of the cost predicted by the linear model
-};
-
-/// Cost of a residual, and the factor by which a robust loss scales its square.
-struct Loss {
-  double cost = 0.0;
-  double slope = 1.0;
-};
-
-/// Returns half the square or, if `robust`, the Cauchy loss with this scale [sigma].
-inline Loss loss_of(double square, bool robust, double scale) {
-  if (!robust) return {0.5 * square, 1.0};
-  const double scale2 = scale * scale;
-  const double sum = 1.0 + square / scale2;
-  return {0.5 * scale2 * std::log(sum), 1.0 / sum};
-}
-
-/// Minimises a sum of squares by Levenberg-Marquardt with the trust region and the tolerances of
-/// Ceres; returns false if it failed.
-///
-/// `values`: start and result. `cost(values)`: the cost. `find_step(values, damping)`: the step
-/// that solves the equations with their diagonal multiplied by 1 + damping, as an optional; none if
-/// they are singular or nothing is gained. `norm(values)`: the norm of the unknowns among them.
-template <class Cost, class FindStep, class Norm>
-bool minimise(Eigen::VectorXd& values, int iterations_max, double tolerance, const Cost& cost,
-              const FindStep& find_step, const Norm& norm) {
-  // Defaults of Ceres.
-  constexpr double kFirstRadius = 1e4;
-  constexpr double kRadiusMax = 1e16;
-  constexpr double kGainMin = 1e-3;        // min fraction of the predicted decrease of the cost
-  constexpr double kStepTolerance = 1e-8;  // relative to the norm of the unknowns
-  constexpr int kInvalidStepsMax = 5;      // in a row
-  double now = cost(values);
-  if (!std::isfinite(now)) return false;
-  double radius = kFirstRadius, shrink = 2.0;
-  int num_invalid = 0;
-  for (int i = 0; i < iterations_max; ++i) {
-    const std::optional<LeastSquaresStep> step = find_step(values, 1.0 / radius);
-    if (!step) {
-      if (++num_invalid >= kInvalidStepsMax) return false;
-      radius /= std::exchange(shrink, 2.0 * shrink);
-      continue;
-    }
-    num_invalid = 0;
-    const Eigen::VectorXd there = values + step->change;
-    const double then = cost(there);
-    if (step->change.norm() <= kStepTolerance * (norm(values) + kStepTolerance)) return true;
-    if (std::abs(now - then) <= tolerance * now) return true;
-    const double gained = (now - then) / step->gain;
-    if (gained > kGainMin) {  // false if the cost is NaN
-      values = there;
-      now = then;
-      radius =
-          std::min(kRadiusMax, radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gained - 1.0, 3)));
-      shrink = 2.0;
-    } else {
-      radius /= std::exchange(shrink, 2.0 * shrink);
-    }
-  }
-  return true;
-}
 
 /// Nonlinear least-squares problem of keyframes of a graph, with what they measured. Landmarks are
 /// eliminated one by one while the equations are summed, unless they are unknowns of the equations.
 ///
 /// Uses Levenberg-Marquardt with the rules of Ceres (trust region, tolerances and losses), so that
 /// results agree with Ceres up to rounding. Works on a copy of the unknowns: only write_to()
-/// changes a graph. The graph must outlive this object. `Equations`: DenseEquations of a few poses,
-/// NormalEquations of a whole drive.
-template <class Equations>
+/// changes a graph. The graph must outlive this object.
 class GraphProblem {
  public:
   /// Writes the solution, with yaws in (-pi, pi]. Returns false, with nothing written, if a pose is
@@ -186,13 +117,12 @@ class GraphProblem {
   /// Solves the problem; returns false if it failed. `robust`: all factors but odometry and
   /// calibration get a robust loss (Cauchy).
   bool solve(bool robust, int iterations_max, double tolerance);
-  void linearise(const Eigen::VectorXd& values, bool robust, double damping,
-                 Evidence evidence = Evidence::kAll);
+  void linearise(bool robust, double damping, Evidence evidence = Evidence::kAll);
   void linearise_observations(const Observation* begin, const Observation* end,
                               const Eigen::Vector2d& p_map, bool robust, Linearised& out) const;
   /// Fits placed_ to the values.
   void place(const Eigen::VectorXd& values);
-  const Linearised& linearised(std::size_t landmark, const Eigen::VectorXd& values, bool robust);
+  const Linearised& linearised(std::size_t landmark, bool robust);
 
   const SlamGraph& graph_;
   std::vector<Block> blocks_;
@@ -201,24 +131,28 @@ class GraphProblem {
   std::vector<Landmark> landmarks_;
   std::vector<int>
       landmark_at_;  ///< per landmark of the graph: index in landmarks_; negative: none
-  std::unique_ptr<Equations> equations_;
+  std::unique_ptr<NormalEquations> equations_;
   Eigen::VectorXd values_;
 
  private:
+  /// Change of all unknowns in one iteration.
+  struct Step {
+    Eigen::VectorXd change;
+    double gain = 0.0;  ///< decrease of the cost predicted by the linear model
+  };
+
   int add_block(const Eigen::VectorXd& value);
   int row_of(const std::map<int, int>& blocks, int index) const;
   void add(ceres::CostFunction* residual, bool is_robust, bool is_own,
            std::initializer_list<int> blocks);
   ObservationResidual residual_of(const Observation& observation) const;
   double cost(const Eigen::VectorXd& values, bool robust);
-  void add_factor(const Factor& factor, const Eigen::VectorXd& values, bool robust);
-  void add_landmark(std::size_t landmark, const Eigen::VectorXd& values, bool robust,
-                    double damping, Evidence evidence);
+  void add_factor(const Factor& factor, bool robust);
+  void add_landmark(std::size_t landmark, bool robust, double damping, Evidence evidence);
   Position position_of(const Landmark& landmark, const Linearised& observations,
-                       const Eigen::VectorXd& values, Evidence evidence) const;
-  std::optional<LeastSquaresStep> find_step(const Eigen::VectorXd& values, bool robust,
-                                            double damping);
-  double norm(const Eigen::VectorXd& values) const;
+                       Evidence evidence) const;
+  std::optional<Step> find_step(bool robust, double damping);
+  double norm_of_unknowns() const;
 
   int first_;
   bool is_small_;
@@ -237,9 +171,8 @@ class GraphProblem {
   Eigen::VectorXd right_;     ///< gradient after elimination of landmarks
 };
 
-template <class Equations>
 template <class ForEach>
-void GraphProblem<Equations>::add_observations(const ForEach& for_each) {
+void GraphProblem::add_observations(const ForEach& for_each) {
   for_each([&](int keyframe, const SlamObservation& o) {
     pose(keyframe);
     ++landmarks_[static_cast<std::size_t>(landmark(o.landmark))].end;
@@ -256,67 +189,5 @@ void GraphProblem<Equations>::add_observations(const ForEach& for_each) {
     observations_[l.end++] = {pose(keyframe), &o};
   });
 }
-
-/// Problem of the last keyframes of a graph; the equations of the few poses are dense.
-/// Observations, absolute positions and priors on landmarks have a robust loss (Cauchy).
-class WindowProblem : public GraphProblem<DenseEquations> {
- public:
-  /// `first`: the first keyframe of the window; the poses of earlier ones are fixed.
-  WindowProblem(const SlamGraph& graph, int first) : GraphProblem(graph, first, true) {}
-
-  /// Adds the observations of these landmarks from the first to the newest keyframe; call it once.
-  void add_observations(int first, int newest, const std::set<int>& landmarks);
-  /// Adds a prior on a landmark that was observed.
-  void add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
-                          const Eigen::Matrix2d& covariance);
-
-  /// Solves the problem, to which nothing may be added afterwards; returns false if it failed.
-  bool solve(int iterations_max, double tolerance);
-
-  using GraphProblem::Evidence;
-  /// Returns the information of poses, calibrations and receiver errors at the present values, with
-  /// the landmarks marginalised: by all factors, or by the problem's own measurements alone.
-  Eigen::MatrixXd information(Evidence evidence);
-};
-
-/// Problem of a whole graph, with little memory for long drives: landmarks are eliminated if that
-/// gives fewer coefficients than keeping them.
-class FullGraphProblem : public GraphProblem<NormalEquations> {
- public:
-  FullGraphProblem(const SlamGraph& graph, const SlamConfig& config);
-
-  /// Number of multiplications that the factorisation of each iteration takes.
-  double factor_work() { return equations_->factor_work(); }
-
-  /// Solves the problem; returns false if it failed. `robust`: all factors but odometry and
-  /// calibration get a robust loss (Cauchy).
-  using GraphProblem::solve;
-
-  /// As GraphProblem's, and makes the graph forget its sums of older observations.
-  bool write_to(SlamGraph& graph) const;
-
-  /// Returns the covariances at the solution of solve(true); none if the information is singular.
-  /// Consumes the equations, so no solve may follow.
-  std::optional<SelectedInverse> covariances();
-
-  /// Factorises the equations at the present values, for relative_covariance(); returns false if
-  /// the information is singular.
-  bool factorise();
-
-  /// Returns the covariance of the position of landmark `b` minus that of `a`, both observed at
-  /// least once; call after factorise().
-  Eigen::Matrix2d relative_covariance(int a, int b);
-
- private:
-  void add_blocks();
-  void add_factors(const SlamConfig& config);
-  void choose_structure();
-  void couple_factors(NormalEquations& equations) const;
-  bool try_eliminating(NormalEquations& without, std::size_t num_with) const;
-  /// Adds `sign` times a landmark's position to a difference of positions, given as its derivative
-  /// by the equations' unknowns and the covariance of what they do not determine.
-  void add_position(int landmark, double sign,
-                    Eigen::Matrix<double, Eigen::Dynamic, 2>& by_unknowns, Eigen::Matrix2d& own);
-};
 
 }  // namespace orchard::pose

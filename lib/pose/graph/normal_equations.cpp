@@ -118,17 +118,11 @@ double SelectedInverse::at(int row, int column) const {
   return at != end && *at == i ? lower_.valuePtr()[at - rows] : 0.0;
 }
 
-std::optional<SelectedInverse> selected_inverse(const Eigen::SparseMatrix<double>& information) {
-  Ldlt factor;
-  factor.compute(information);
-  if (factor.info() != Eigen::Success || (factor.vectorD().array() <= 0.0).any()) {
-    return std::nullopt;
-  }
-  return SelectedInverse(std::move(factor));
-}
-
-NormalEquations::NormalEquations(const std::vector<int>& sizes)
-    : first_{0}, below_(sizes.size()), num_sorted_(sizes.size(), 0) {
+NormalEquations::NormalEquations(const std::vector<int>& sizes, Storage storage)
+    : first_{0},
+      below_(sizes.size()),
+      num_sorted_(sizes.size(), 0),
+      is_dense_(storage == Storage::kDense) {
   for (const int size : sizes) first_.push_back(first_.back() + size);
 }
 
@@ -193,7 +187,10 @@ void NormalEquations::finish() {
   set_zero();
 }
 
-void NormalEquations::set_zero() { std::fill(H_.valuePtr(), H_.valuePtr() + H_.nonZeros(), 0.0); }
+void NormalEquations::set_zero() {
+  if (is_dense_) dense_H_.setZero(num_unknowns(), num_unknowns());
+  std::fill(H_.valuePtr(), H_.valuePtr() + H_.nonZeros(), 0.0);
+}
 
 const NormalEquations::Below& NormalEquations::find(int a, int b) const {
   const std::vector<Below>& rows = below_[static_cast<std::size_t>(b)];
@@ -216,11 +213,13 @@ Ldlt& NormalEquations::analysed_factor() {
 double NormalEquations::factor_work() { return analysed_factor().work(); }
 
 bool NormalEquations::factorise() {
+  if (is_dense_) return dense_factor_.compute(dense_H_).info() == Eigen::Success;
   analysed_factor().factorize(H_);
   return factor_->info() == Eigen::Success && (factor_->vectorD().array() > 0.0).all();
 }
 
 Eigen::VectorXd NormalEquations::solve(const Eigen::VectorXd& right) const {
+  if (is_dense_) return dense_factor_.solve(right);
   return factor_->solve(right);
 }
 

@@ -62,53 +62,15 @@ class SelectedInverse {
   Eigen::VectorXi to_factor_;
 };
 
-/// Computes the selected inverse from the lower triangle of a matrix; none if it is not positive
-/// definite.
-std::optional<SelectedInverse> selected_inverse(const Eigen::SparseMatrix<double>& information);
-
-/// Dense matrix of normal equations of few unknowns in blocks; used as NormalEquations are.
-class DenseEquations {
- public:
-  explicit DenseEquations(const std::vector<int>& sizes) : first_{0} {
-    for (const int size : sizes) first_.push_back(first_.back() + size);
-  }
-
-  void set_zero() { H_.setZero(num_unknowns(), num_unknowns()); }
-  template <class Block>
-  void add(int a, int b, const Block& block) {
-    constexpr int kRows = Block::RowsAtCompileTime, kColumns = Block::ColsAtCompileTime;
-    if (a < b) {
-      H_.template block<kColumns, kRows>(first(b), first(a), size(b), size(a)) += block.transpose();
-    } else {
-      H_.template block<kRows, kColumns>(first(a), first(b), size(a), size(b)) += block;
-    }
-  }
-  void add_to_diagonal(int unknown, double value) { H_(unknown, unknown) += value; }
-
-  int num_unknowns() const { return first_.back(); }
-  int first(int block) const { return first_[static_cast<std::size_t>(block)]; }
-  int size(int block) const { return first(block + 1) - first(block); }
-
-  bool factorise() {
-    factor_.compute(H_);
-    return factor_.info() == Eigen::Success;
-  }
-  Eigen::VectorXd solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
-  Eigen::MatrixXd matrix() const { return H_.selfadjointView<Eigen::Lower>(); }
-
- private:
-  std::vector<int> first_;
-  Eigen::MatrixXd H_;  ///< lower triangle
-  Eigen::LLT<Eigen::MatrixXd> factor_;
-};
-
-/// Sparse matrix of normal equations, H = sum of J^T J, of unknowns in blocks of 1 to 3. Only the
-/// lower triangle is stored, in one piece of memory.
+/// Matrix of normal equations, H = sum of J^T J, of unknowns in blocks of 1 to 3: dense for few
+/// unknowns; sparse for many, of which only the lower triangle is stored, in one piece of memory.
 class NormalEquations {
  public:
-  /// Unknowns per block, each 1, 2 or 3.
-  explicit NormalEquations(const std::vector<int>& sizes);
+  enum class Storage { kSparse, kDense };
+  /// `sizes`: unknowns per block, each 1, 2 or 3.
+  explicit NormalEquations(const std::vector<int>& sizes, Storage storage = Storage::kSparse);
 
+  // Sparse only: structure and work.
   /// Reserves the entry of two blocks; each block always has one with itself.
   void couple(int a, int b);
   /// Returns the number of coefficients in H for the blocks coupled so far, without duplicates.
@@ -116,6 +78,14 @@ class NormalEquations {
   /// Completes the structure, with all entries zero; couple() must not be called afterwards. Throws
   /// std::length_error if there are too many entries.
   void finish();
+  /// Number of multiplications that each factorise() takes.
+  double factor_work();
+  /// Returns the entries of H^-1 where H has entries; call after factorise(). Consumes H and its
+  /// factor, so it must be the last call.
+  SelectedInverse inverse() &&;
+
+  /// Returns all of a dense H.
+  Eigen::MatrixXd matrix() const { return dense_H_.selfadjointView<Eigen::Lower>(); }
 
   void set_zero();
   /// Adds a product of derivatives (rows of block a, columns of block b) to coupled blocks. For
@@ -133,20 +103,14 @@ class NormalEquations {
   /// Returns the index of the first unknown of a block.
   int first(int block) const { return first_[static_cast<std::size_t>(block)]; }
   int size(int block) const { return first(block + 1) - first(block); }
-  double diagonal(int unknown) const { return H_.valuePtr()[H_.outerIndexPtr()[unknown]]; }
   void add_to_diagonal(int unknown, double value) {
-    H_.valuePtr()[H_.outerIndexPtr()[unknown]] += value;
+    (is_dense_ ? dense_H_(unknown, unknown) : H_.valuePtr()[H_.outerIndexPtr()[unknown]]) += value;
   }
 
-  /// Number of multiplications that each factorise() takes.
-  double factor_work();
   /// Factorises H; returns false if it is not positive definite.
   bool factorise();
   /// Returns H^-1 times a vector; call after factorise().
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
-  /// Returns the entries of H^-1 where H has entries; call after factorise(). Consumes H and its
-  /// factor, so it must be the last call.
-  SelectedInverse inverse() &&;
 
  private:
   struct Below {
@@ -158,6 +122,11 @@ class NormalEquations {
 
   template <class Block>
   void add_below(int a, int b, const Block& block) {
+    if (is_dense_) {
+      constexpr int kRows = Block::RowsAtCompileTime, kColumns = Block::ColsAtCompileTime;
+      dense_H_.block<kRows, kColumns>(first(a), first(b), size(a), size(b)) += block;
+      return;
+    }
     double* values = H_.valuePtr();
     const int* starts = H_.outerIndexPtr();
     const int num_columns = size(b), num_rows = size(a);
@@ -180,6 +149,9 @@ class NormalEquations {
   std::vector<std::size_t> num_sorted_;    ///< per block: how many of them are sorted and unique
   Eigen::SparseMatrix<double> H_;
   std::unique_ptr<Ldlt> factor_;
+  bool is_dense_;
+  Eigen::MatrixXd dense_H_;  ///< lower triangle
+  Eigen::LLT<Eigen::MatrixXd> dense_factor_;
 };
 
 }  // namespace orchard::pose

@@ -168,8 +168,7 @@ int LocalTrunkMap::match(const ScanObservation& observation, const std::vector<b
   const Eigen::Matrix2d R = rotation(T_local_base_.z());
   const Eigen::Matrix2d seen_covariance = R * observation.covariance * R.transpose();
   const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
-  Eigen::Matrix<double, 2, 3> J = Eigen::Matrix<double, 2, 3>::Zero();
-  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
   int best = -1;
   double best_d2 = kLocalGate2;
   for (std::size_t i = 0; i < taken.size(); ++i) {
@@ -195,8 +194,7 @@ void LocalTrunkMap::correct(int trunk, const ScanObservation& observation) {
   const auto at = 3 + 2 * static_cast<Eigen::Index>(trunk);
   const Eigen::Vector2d p_seen = transform(T_local_base_, observation.p_base);
   const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
-  Eigen::Matrix<double, 2, 3> J;
-  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
   const Eigen::Matrix2d R = rotation(T_local_base_.z());
   const Eigen::MatrixXd PHt = P_.leftCols<3>() * J.transpose() - P_.middleCols<2>(at);
   const Eigen::Matrix2d S =
@@ -230,8 +228,7 @@ void LocalTrunkMap::insert(const ScanObservation& observation) {
   const Eigen::Index n = x_.size();
   const Eigen::Vector2d p = transform(T_local_base_, observation.p_base);
   const Eigen::Vector2d arm = p - T_local_base_.head<2>();
-  Eigen::Matrix<double, 2, 3> J;
-  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
   const Eigen::Matrix2d R = rotation(T_local_base_.z());
   x_.conservativeResize(n + 2);
   x_.tail<2>() = p;

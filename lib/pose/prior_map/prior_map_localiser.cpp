@@ -328,16 +328,11 @@ void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks)
 
 std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
   if (!tracking_ || !utime_) return std::nullopt;
-  const Eigen::Vector3d T = tracker_.T_map_base();
+  Eigen::Vector3d T = tracker_.T_map_base();
   const Eigen::Matrix3d P = tracker_.covariance();
   if (!T.allFinite() || !P.allFinite()) return std::nullopt;
-  PoseEstimate pose;
-  pose.utime = *utime_;
-  pose.x_m = T.x();
-  pose.y_m = T.y();
-  pose.yaw_rad = geometry::wrap_angle_rad(T.z());
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
+  T.z() = geometry::wrap_angle_rad(T.z());
+  return pose_estimate(*utime_, T, P);
 }
 
 std::string PriorMapLocaliser::warning() const {

@@ -101,8 +101,7 @@ std::optional<PoseHypothesis> HypothesisScorer::fit(const PoseHypothesis& start,
     before = &trunk.p_local;
 
     const Eigen::Vector2d p_map = T.head<2>() + arm;
-    Eigen::Matrix<double, 2, 3> J;
-    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
     const Eigen::Matrix<double, 3, 2> PJt = P * J.transpose();
     const Eigen::Matrix2d S_all =
         J * PJt + (position_variance_ + trunk.sd_m * trunk.sd_m) * Eigen::Matrix2d::Identity();

@@ -151,11 +151,8 @@ void PriorMapTracker::move(const Eigen::Vector3d& T_base_next, const Eigen::Matr
 }
 
 Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const ScanObservation& observation) const {
-  const Eigen::Vector2d arm = rotation(x_(2)) * observation.p_base;
   Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
-  H(0, 0) = H(1, 1) = 1.0;
-  H(0, 2) = -arm.y();
-  H(1, 2) = arm.x();
+  H.leftCols<3>() = geometry::point_jacobian(rotation(x_(2)) * observation.p_base);
   return H;
 }
 

@@ -167,8 +167,7 @@ void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m
       // Geman-McClure
       const double fraction = kernel2 / (kernel2 + r2);
       const double weight = fraction * fraction;
-      Eigen::Matrix<double, 2, 3> J;
-      J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+      const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
       const Eigen::Matrix<double, 3, 2> Jt = weight * J.transpose();
       H += Jt * metric * J;
       information += Jt * across * J;

@@ -130,14 +130,7 @@ void ScanOdometry::add(const Measurement& measurement) {
 
 std::optional<PoseEstimate> ScanOdometry::estimate() const {
   if (!utime_) return std::nullopt;
-  PoseEstimate pose;
-  pose.utime = *utime_;
-  pose.x_m = T_map_base_.x();
-  pose.y_m = T_map_base_.y();
-  pose.yaw_rad = T_map_base_.z();
-  const Eigen::Matrix3d& P = covariance_;
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
+  return pose_estimate(*utime_, T_map_base_, covariance_);
 }
 
 std::string ScanOdometry::warning() const {

@@ -284,9 +284,9 @@ std::vector<ScanPoint> scan_points(const detection::Detections& seen, const Scan
     C << std::max(t.covariance[0], kVarianceMin), t.covariance[1], t.covariance[1],
         std::max(t.covariance[2], kVarianceMin);
     if (C.determinant() < kVarianceMin * kVarianceMin) C(0, 1) = C(1, 0) = 0.0;
-    Eigen::Matrix<double, 2, 3> H;  // of the motion since the keyframe
-    const Eigen::Vector2d arm = point.p_base - motion.T_keyframe_scan.head<2>();
-    H << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    // Of the motion since the keyframe.
+    const Eigen::Matrix<double, 2, 3> H =
+        geometry::point_jacobian(point.p_base - motion.T_keyframe_scan.head<2>());
     point.scan_covariance = R * C * R.transpose() + H * motion.covariance * H.transpose();
     point.floor_sd_m = floor_sd_m(t, config);
     point.covariance =

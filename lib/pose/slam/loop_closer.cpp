@@ -164,8 +164,7 @@ class ClosureMatcher {
             std::log(planted2 / s2) - 0.5 * nearest_m * nearest_m * (1.0 / s2 - 1.0 / planted2);
         score += std::max(odds, -kMissOdds);
         const Eigen::Vector2d arm = p - q_.pivot - h.x_y_yaw.head<2>();
-        Eigen::Matrix<double, 2, 3> J;
-        J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+        const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
         told += J.transpose() * J / s2;
         h.old[r] = nearest;
         taken[nearest] = 1;

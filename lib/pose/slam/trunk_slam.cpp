@@ -46,16 +46,6 @@ constexpr int kVelocityLandmarks = 2;
 constexpr int kWorthSaying = 10;
 constexpr std::int64_t kScanOrder_us = 1'000'000;
 
-PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T, const Eigen::Matrix3d& P) {
-  PoseEstimate pose;
-  pose.utime = utime;
-  pose.x_m = T.x();
-  pose.y_m = T.y();
-  pose.yaw_rad = T.z();
-  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-  return pose;
-}
-
 }  // namespace
 
 TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,

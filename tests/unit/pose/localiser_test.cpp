@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Modes `fixes`, `odometry` and `fixes_and_odometry`.
 #include "pose/localiser.hpp"
 
 #include <gtest/gtest.h>
@@ -8,8 +7,13 @@
 #include <cmath>
 #include <random>
 
+#include "pose/pose_estimate.hpp"
+#include "pose/repeat_model.hpp"
+
 namespace orchard::pose {
 namespace {
+
+// Modes `fixes`, `odometry` and `fixes_and_odometry`.
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -228,6 +232,126 @@ TEST(ModeFixesAndOdometry, TheWayBackIsAMinuteAtMost) {
   const std::vector<PoseEstimate> past = localiser->take_past_poses();
   ASSERT_EQ(past.size(), 601u);
   EXPECT_EQ(past[0].utime, 9'900'000);
+}
+
+Trajectory trajectory_of(std::int32_t revision, int num_poses) {
+  Trajectory trajectory;
+  trajectory.utime = 1000;
+  trajectory.revision = revision;
+  for (int i = 0; i < num_poses; ++i) {
+    PoseEstimate pose;
+    pose.utime = 10 * i;
+    pose.x_m = 0.5 * i;
+    trajectory.poses.push_back(pose);
+  }
+  return trajectory;
+}
+
+TEST(Trajectory, PagesComeTogetherAgainWhateverTheNumberOfPoses) {
+  for (const int num_poses : {0, 1, 6, 7, 8, 13, 14, 15}) {
+    const auto pages = paginate(trajectory_of(3, num_poses), 7);
+    EXPECT_EQ(pages.size(), static_cast<std::size_t>(num_poses <= 7 ? 1 : num_poses <= 14 ? 2 : 3));
+    TrajectoryCollector collector;
+    std::optional<Trajectory> whole;
+    for (const TrajectoryPage& page : pages) {
+      EXPECT_FALSE(whole);
+      EXPECT_LE(page.poses.size(), 7u);
+      whole = collector.add(page);
+    }
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->revision, 3);
+    EXPECT_EQ(whole->utime, 1000);
+    ASSERT_EQ(whole->poses.size(), static_cast<std::size_t>(num_poses));
+    for (int i = 0; i < num_poses; ++i) {
+      EXPECT_EQ(whole->poses[static_cast<std::size_t>(i)].x_m, 0.5 * i);
+    }
+    EXPECT_EQ(collector.num_incomplete(), 0);
+  }
+}
+
+TEST(Trajectory, ARevisionThatLostAPageIsDroppedAndTheNextOneTaken) {
+  for (const std::size_t lost : {0u, 1u, 2u}) {
+    TrajectoryCollector collector;
+    const auto pages = paginate(trajectory_of(1, 20), 7);
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+      if (i == lost) continue;
+      EXPECT_FALSE(collector.add(pages[i]));
+    }
+    std::optional<Trajectory> whole;
+    for (const TrajectoryPage& page : paginate(trajectory_of(2, 20), 7)) {
+      whole = collector.add(page);
+    }
+    ASSERT_TRUE(whole) << "lost page " << lost;
+    EXPECT_EQ(whole->revision, 2);
+    EXPECT_EQ(whole->poses.size(), 20u);
+    EXPECT_EQ(collector.num_incomplete(), 1) << "lost page " << lost;
+  }
+}
+
+TEST(Trajectory, PagesThatDoNotFollowEachOtherInTimeAreNotJoined) {
+  auto pages = paginate(trajectory_of(1, 14), 7);
+  for (PoseEstimate& pose : pages[1].poses) pose.utime -= 50;
+  TrajectoryCollector collector;
+  EXPECT_FALSE(collector.add(pages[0]));
+  EXPECT_FALSE(collector.add(pages[1]));
+  EXPECT_EQ(collector.num_incomplete(), 1);
+}
+
+TEST(RepeatModel, OfARateOfOneHalfAnyRateOfAnotherVisitIsAlike) {
+  // Beta(1, 1) is the uniform distribution
+  for (const double rate_min : {0.05, 0.1, 0.5, 0.9}) {
+    EXPECT_NEAR(probability_seen_again(0.5, rate_min), 1.0 - rate_min, 1e-12);
+  }
+}
+
+TEST(RepeatModel, IsTheBetaDistributionByItsIntegral) {
+  // the density integrated by substitution: t = x^a takes the pole at 0 away
+  const double rate = 0.3, rate_min = 0.12;
+  const double a = 2.0 * rate, b = 2.0 * (1.0 - rate);
+  const auto integral_to = [&](double end) {
+    const int n = 200000;
+    double sum = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double t = std::pow(end, a) * (i + 0.5) / n;
+      sum += std::pow(1.0 - std::pow(t, 1.0 / a), b - 1.0);
+    }
+    return sum * std::pow(end, a) / n / a;
+  };
+  // B(a, b) by the gamma function
+  const double all = std::exp(std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b));
+  EXPECT_NEAR(probability_seen_again(rate, rate_min), 1.0 - integral_to(rate_min) / all, 1e-6);
+}
+
+TEST(RepeatModel, WhatIsSeenMostlyIsSeenAgainAndATwigIsNot) {
+  EXPECT_GT(probability_seen_again(detection_rate(58, 60), 0.1), 0.99);
+  EXPECT_LT(probability_seen_again(detection_rate(5, 60), 0.1), 0.35);
+  double before = 0.0;
+  for (int seen = 0; seen <= 60; ++seen) {
+    const double again = probability_seen_again(detection_rate(seen, 60), 0.1);
+    EXPECT_GT(again, before);
+    before = again;
+  }
+}
+
+TEST(RepeatModel, ItsEndsAreProbabilities) {
+  EXPECT_EQ(probability_seen_again(1.0, 0.9), 1.0);
+  EXPECT_EQ(probability_seen_again(0.0, 0.1), 0.0);
+  EXPECT_EQ(probability_seen_again(0.4, 0.0), 1.0);
+  EXPECT_EQ(probability_seen_again(0.4, 1.0), 0.0);
+  for (const double rate : {1e-9, 1e-3, 0.999, 1.0 - 1e-9}) {
+    const double p = probability_seen_again(rate, 0.1);
+    EXPECT_GE(p, 0.0);
+    EXPECT_LE(p, 1.0);
+  }
+  EXPECT_EQ(detection_rate(0, 0), 0.5);
+  EXPECT_LT(detection_rate(1000, 10), 1.0);
+}
+
+TEST(RepeatModel, OfAClumpAnotherVisitShowsOnePart) {
+  EXPECT_EQ(probability_same_part(0), 1.0);
+  EXPECT_EQ(probability_same_part(3), 0.25);
+  EXPECT_LE(clump_reach_m(10.0), 1.0);
+  EXPECT_LT(clump_reach_m(0.9), 0.9);  // trees of a dense planting are no clump
 }
 
 }  // namespace

@@ -19,13 +19,6 @@
 namespace orchard::pose {
 namespace {
 
-/// Less likely histories are forgotten: one would move the mean path by less than a fiftieth of its
-/// distance from it.
-constexpr double kProbabilityMin = 0.02;
-
-/// The path is solved once for each history.
-constexpr std::size_t kHistoriesMax = 6;
-
 /// Mean duration of one displacement [s]: a vehicle passes a wall or a tree that reflects a signal
 /// within seconds.
 constexpr double kDisplacedFor_s = 10.0;
@@ -127,40 +120,6 @@ constexpr double kStandingYawVariance = 1e-12;
 
 }  // namespace
 
-void DisplacementHistories::begin(std::int64_t utime, bool is_gnss) {
-  for (DisplacementHistory& history : all_) history.displaced.push_back({utime, utime, is_gnss});
-}
-
-void DisplacementHistories::extend(std::int64_t utime) {
-  for (DisplacementHistory& history : all_) history.displaced.back().end_utime = utime;
-}
-
-void DisplacementHistories::merge(const DisplacementHistories& other, double odds) {
-  for (DisplacementHistory& history : all_) history.probability /= 1.0 + odds;
-  for (const DisplacementHistory& history : other.all_) {
-    const double probability = history.probability * odds / (1.0 + odds);
-    const auto same = std::find_if(all_.begin(), all_.end(), [&](const DisplacementHistory& known) {
-      return known.displaced == history.displaced;
-    });
-    if (same != all_.end()) {
-      same->probability += probability;
-    } else if (probability >= kProbabilityMin) {
-      all_.push_back({probability, history.displaced});
-    }
-  }
-  std::stable_sort(all_.begin(), all_.end(),
-                   [](const DisplacementHistory& a, const DisplacementHistory& b) {
-                     return a.probability > b.probability;
-                   });
-  while (all_.size() > 1 &&
-         (all_.size() > kHistoriesMax || all_.back().probability < kProbabilityMin)) {
-    all_.pop_back();
-  }
-  double sum = 0.0;
-  for (const DisplacementHistory& history : all_) sum += history.probability;
-  for (DisplacementHistory& history : all_) history.probability /= sum;
-}
-
 FixHypotheses::FixHypotheses(const FusionConfig& config) {
   all_.push_back({FusionFilter(config), 0.0, false, true, {}, 0.0, 0.0, 0.0});
 }
@@ -191,7 +150,7 @@ void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d&
   displaced.log_weight = std::log(fraction);
   displaced.is_displaced = true;
   displaced.displaces_gnss = is_gnss;
-  displaced.histories.begin(utime, is_gnss);
+  displaced.displaced.push_back({utime, utime, is_gnss});
   displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
   displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
   all_.push_back(std::move(displaced));
@@ -289,7 +248,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
         h.is_displaced = true;
         h.filter.begin_displacement(branch.variance);
         h.displaces_gnss = observation.is_gnss;
-        h.histories.begin(utime, observation.is_gnss);
+        h.displaced.push_back({utime, utime, observation.is_gnss});
         break;
       case Event::kMoves:
         h.filter.inflate_covariance(branch.variance, branch.yaw_variance);
@@ -304,7 +263,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     h.looks += look;
     if (is_displaced) {
       h.displaced_looks += look;
-      h.histories.extend(utime);
+      h.displaced.back().end_utime = utime;
     } else {
       h.travel_m = 0.0;
     }
@@ -314,26 +273,13 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     if (same == next.end()) {
       next.push_back(std::move(h));
     } else {
-      const double odds = std::exp(h.log_weight - same->log_weight);
-      same->histories.merge(h.histories, odds);
-      same->log_weight += std::log1p(odds);
+      same->log_weight += std::log1p(std::exp(h.log_weight - same->log_weight));
     }
   }
   std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.log_weight > b.log_weight;
   });
   all_ = std::move(next);
-}
-
-std::vector<DisplacementHistory> FixHypotheses::histories() const {
-  DisplacementHistories together = best().histories;
-  double weight = 1.0;
-  for (std::size_t i = 1; i < all_.size(); ++i) {
-    const double added = std::exp(all_[i].log_weight - best().log_weight);
-    together.merge(all_[i].histories, added / weight);
-    weight += added;
-  }
-  return together.all();
 }
 
 PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {
@@ -388,7 +334,7 @@ void mark_displaced_fixes(SlamGraph& graph) {
       hypotheses.correct(distance, position.utime);
     }
   }
-  mark_displaced(hypotheses.best().histories.likeliest(), graph);
+  mark_displaced(hypotheses.best().displaced, graph);
 }
 
 }  // namespace orchard::pose

@@ -6,8 +6,8 @@
 namespace orchard::pose {
 namespace {
 
-/// Max delay of a GNSS fix by computation and serial transmission: 0.05 s over USB, up to half a
-/// second at 9600 baud. A later fix is lost.
+/// Max delay of a GNSS fix by computation and serial transmission; a later fix is lost. physical:
+/// 0.05 s over USB, up to half a second at 9600 baud.
 constexpr double kGnssWait_s = 0.5;
 
 double gnss_wait_s(const PoseConfig& config) {

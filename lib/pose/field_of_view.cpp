@@ -18,7 +18,9 @@ bool FieldOfView::covers(const Eigen::Vector2d& p_base) const {
          num_seen_[geometry::sector_of(p_base, kBins)] >= kObservationsMin;
 }
 
-double FieldOfView::range_m() const { return std::min(sure_range_m_, kSureFraction * farthest_m_); }
+double FieldOfView::range_m() const {
+  return std::min(sure_range_m_, kFieldOfViewFraction * farthest_m_);
+}
 
 geometry::OcclusionTest occlusion_by(const std::vector<ScanObservation>& observations) {
   geometry::OcclusionTest occlusion;

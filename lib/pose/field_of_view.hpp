@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/visibility.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -33,9 +34,9 @@ class FieldOfView {
   double range_m() const;  ///< range of reliable detection
 
  private:
+  // derived: sectors of 10 degrees, each seen often enough that chance left none out.
   static constexpr std::size_t kBins = 36;
   static constexpr int kObservationsMin = 5;
-  static constexpr double kSureFraction = 0.85;
 
   double sure_range_m_;
   double farthest_m_ = 0.0;
@@ -67,15 +68,14 @@ class SensorCoverage {
     const int b = bin(p_base);
     const double reach_m =
         std::min({reach_m_[b], reach_m_[(b + 1) % kBins], reach_m_[(b + kBins - 1) % kBins]});
-    return p_base.norm() < kSureFraction * reach_m;
+    return p_base.norm() < kCoverageFraction * reach_m;
   }
 
   /// Returns the range of the farthest observation so far [m].
   double range_max_m() const { return range_max_m_; }
 
  private:
-  static constexpr int kBins = 36;
-  static constexpr double kSureFraction = 0.7;
+  static constexpr int kBins = 36;  // derived: sectors of 10 degrees
 
   static int bin(const Eigen::Vector2d& p_base) {
     return static_cast<int>(geometry::sector_of(p_base, kBins));

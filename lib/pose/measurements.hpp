@@ -63,6 +63,7 @@ struct Imu {
 /// alternatives: motion, then absolute poses, then trunks.
 using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, detection::Detections>;
 
+/// derived: from the list above.
 inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurement>;
 
 /// Index of an alternative of Measurement.

@@ -21,10 +21,8 @@ CPosePDFGaussian gaussian(const Eigen::Vector3d& T, const Eigen::Matrix3d& P) {
   return {mrpt::poses::CPose2D(T.x(), T.y(), T.z()), mrpt::math::CMatrixDouble33(P)};
 }
 
-/// Standard deviation of the speed against the last measured one in a gap [m/s].
+// physical: how such robots change their velocity within a second that was not measured.
 constexpr double kGapSpeedSd_mps = 0.5;
-
-/// The same for the yaw rate [rad/s].
 constexpr double kGapYawRateSd_radps = 0.3;
 
 }  // namespace

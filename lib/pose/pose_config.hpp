@@ -31,8 +31,8 @@ void describe(Visitor& v, FusionConfig& c) {
       "standard deviation of the yaw rate of an IMU without variance; from the data sheet");
 }
 
-/// Correlation time of a receiver's error (decay to 1/e) [s]: errors of orbits and atmosphere
-/// change more slowly, those of multipath within minutes.
+/// Correlation time of a receiver's error (decay to 1/e) [s]. physical: errors of orbits and
+/// atmosphere change more slowly, those of multipath within minutes.
 inline constexpr double kReceiverMemory_s = 60.0;
 
 /// Configuration of satellite fixes. Section `pose.gnss`.
@@ -41,7 +41,8 @@ struct GnssConfig {
   /// first usable fix.
   std::array<double, 3> datum{0.0, 0.0, 0.0};
   std::array<double, 2> antenna_m{0.0, 0.0};
-  /// Min standard deviation of a fix, by its quality, whatever the receiver claims.
+  // Min standard deviation of a fix, by its quality, whatever the receiver claims. physical: what
+  // data sheets of receivers state.
   static constexpr double kSdFixed_m = 0.015;
   static constexpr double kSdFloat_m = 0.30;
   static constexpr double kSdDifferential_m = 0.60;
@@ -72,11 +73,12 @@ struct PriorMapConfig {
   double start_x_m = 0.0;
   double start_y_m = 0.0;
   double start_yaw_rad = 0.0;
+  // physical: how well a person tells where a robot stands.
   static constexpr double kStartPositionSd_m = 0.3;
   static constexpr double kStartYawSd_rad = 0.1;
 
   int min_observations = 2;
-  static constexpr double kLandmarkSd_m = 0.05;  ///< of a landmark relative to its neighbours
+  static constexpr double kLandmarkSd_m = 0.05;  ///< to its neighbours; physical: bark, growth
   double width_sd_m = 0.01;
   double observation_sd_m = 0.02;
   double observation_range_max_m = 10.0;
@@ -255,8 +257,8 @@ struct PoseConfig {
   double fix_yaw_sd_rad = 0.01;
   double speed_sd_fraction = 0.03;
   double yaw_rate_sd_radps = 0.02;
-  static constexpr double kOdometryGapMax_s =
-      1.0;  ///< longer gaps are not bridged by dead reckoning
+  /// Longer gaps are not bridged by dead reckoning. physical: a robot turns or stops within it.
+  static constexpr double kOdometryGapMax_s = 1.0;
   double heading_baseline_m = 0.5;
   FusionConfig fusion;
   GnssConfig gnss;

@@ -41,7 +41,7 @@ struct TrajectoryPage {
   std::vector<PoseEstimate> poses;
 };
 
-/// Max number of poses per page: 40 kB, within one UDP datagram.
+/// Max number of poses per page; derived: 40 kB, within one UDP datagram.
 inline constexpr std::size_t kPosesPerPage = 500;
 
 /// Splits a trajectory into pages, in order; their seq is not set. An empty trajectory gives one

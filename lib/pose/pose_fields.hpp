@@ -7,7 +7,7 @@
 
 namespace orchard::pose {
 
-/// Limit of accepted coordinates [m]; larger than any projected coordinate on Earth.
+/// Limit of accepted coordinates [m]. physical: larger than any projected coordinate on Earth.
 inline constexpr double kCoordinateMax_m = 1e8;
 
 // Fields of each message in wire order, with their valid ranges; see bus/messages/fields.hpp.
@@ -67,7 +67,7 @@ inline GnssFields fields_of(const Gnss&) { return {}; }
 inline PoseFixFields fields_of(const PoseFix&) { return {}; }
 inline ImuFields fields_of(const Imu&) { return {}; }
 
-/// Limit of angles in (-pi, pi], plus a tolerance for rounding [rad].
+/// Limit of angles in (-pi, pi] [rad]; derived: with a tolerance for rounding.
 inline constexpr double kHalfTurnMax_rad = geometry::kPi + 1e-9;
 
 // Fields of each message in wire order, with their valid ranges; see bus/messages/fields.hpp.

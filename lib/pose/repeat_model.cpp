@@ -4,19 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose/tuning.hpp"
+
 namespace orchard::pose {
 namespace {
 
-/// Number of observations that one visit's rate is worth for another visit.
-constexpr double kObservationsWorth = 2.0;
-
+// physical: the crowns of one stump reach a metre, and not to the next tree.
 constexpr double kClumpReachMax_m = 1.0;
 constexpr double kClumpReachSpacings = 0.6;
 
 /// Continued fraction of the incomplete beta function by Lentz's method (Abramowitz and Stegun
 /// 26.5.8), for x below the mean.
 double beta_fraction(double a, double b, double x) {
-  constexpr double kTiny = 1e-300;
+  constexpr double kTiny = 1e-300;  // derived: above the smallest double
   const auto nonzero = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
   double c = 1.0;
   double d = 1.0 / nonzero(1.0 - (a + b) * x / (a + 1.0));

@@ -19,47 +19,37 @@
 namespace orchard::pose {
 namespace {
 
-/// Mean duration of one displacement [s]: a vehicle passes a wall or a tree that reflects a signal
-/// within seconds.
+// physical: a vehicle passes a wall or a tree that reflects a signal within seconds, the signal's
+// additional path is a fraction of a chip of 293 m (Kaplan and Hegarty 2006, section 6.2), and a
+// larger one found is its own scale. How often is a weak Beta prior, in looks, so that a drive
+// under open sky or between walls soon has its own.
 constexpr double kDisplacedFor_s = 10.0;
-
-/// Beta prior of the fraction of displaced positions, in looks: weak, so that a drive under open
-/// sky or between walls soon has its own.
+constexpr double kDisplacedSd_m = 10.0;
 constexpr double kDisplacedLooks = 1.0;
 constexpr double kLooks = 20.0;
 
-/// Standard deviation of a displacement per axis [m]: an additional path of a signal is a fraction
-/// of a chip of 293 m (Kaplan and Hegarty 2006, section 6.2); a larger one found is its own scale.
-constexpr double kDisplacedSd_m = 10.0;
-
-/// Travel in which the wheels err once beyond what the filter models [m]: a tyre loses air, soft
-/// ground. They then turn by as much per metre as the filter's prior allows [1/m], and the heading
-/// changes by at most kSlipYaw_rad.
+// physical: in this travel the wheels err once beyond what the filter models, as a tyre loses air;
+// they then turn by as much per metre as the filter's prior allows. In this time the receiver's
+// reference moves once, and the robot is carried once: as far as a displacement, but for good.
 constexpr double kSlipEvery_m = 1000.0;
 constexpr double kSlipCurvature_per_m = 0.02;
-constexpr double kSlipYaw_rad = 0.5;
-
-/// Time in which the receiver's reference moves once, and in which the robot is carried once [s]:
-/// as far as a displacement, but for good.
+constexpr double kSlipYaw_rad = 0.5;  // at most
 constexpr double kMovedEvery_s = 5e3;
 
-/// A direct position that deviates less needs no such explanation [standard deviations].
+// derived: a direct position within four standard deviations needs no such explanation; hypotheses
+// with less than a millionth of the best's weight are dropped, those whose poses differ by less
+// than a third of a standard deviation are one; their number bounds the time of a fix.
 constexpr double kMoved_sigma = 4.0;
-
 constexpr std::size_t kHypothesesMax = 48;
-
-/// A hypothesis with less than a millionth of the best's weight is dropped.
 constexpr double kLogWeightMin = -14.0;
-
-/// Hypotheses whose poses differ by less are one [squared standard deviations].
 constexpr double kSame2 = 0.1;
 
-/// Headings of a split. With half a slot as standard deviation, linearising the heading adds
-/// 0.75 (pi / 8)^2, a ninth, to the variance of a fix by the time that fixes give the heading as
-/// well; and equal Gaussians two standard deviations apart are uniform to 2 %.
+// Headings of a split. derived: with half a slot as standard deviation, linearising the heading
+// adds 0.75 (pi / 8)^2, a ninth, to the variance of a fix by the time that fixes give the heading
+// as well; and equal Gaussians two standard deviations apart are uniform to 2 %. kUniform: the
+// variance of a heading of which nothing is known [rad2].
 constexpr int kHeadings = 8;
-
-/// Variance of a heading of which nothing is known [rad2].
+constexpr double kSlot_rad = 2.0 * geometry::kPi / kHeadings;
 constexpr double kUniform = geometry::kPi * geometry::kPi / 3.0;
 
 enum class Event { kGoesOn, kBegins, kEnds, kMoves };
@@ -88,7 +78,6 @@ bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesi
 
 /// Splits a hypothesis with an uncorrelated heading into several, if it is wider than a slot.
 void split_heading(FixHypotheses::Hypothesis h, std::vector<FixHypotheses::Hypothesis>& out) {
-  constexpr double kSlot_rad = 2.0 * geometry::kPi / kHeadings;
   const double yaw_rad = h.filter.mean().z(), yaw_variance = h.filter.covariance()(2, 2);
   if (yaw_variance <= geometry::square(kSlot_rad)) {
     out.push_back(std::move(h));
@@ -111,11 +100,9 @@ void split_heading(FixHypotheses::Hypothesis h, std::vector<FixHypotheses::Hypot
   }
 }
 
-/// Prior variance of the map's distance from the receiver's frame per axis [m2]: a multiple of the
-/// receiver's own, which has placed the map.
+// derived: prior variance of the map's distance from the receiver's frame per axis, as a multiple
+// of the receiver's own, which has placed the map; and of the turn of a robot that stands [rad2].
 constexpr double kMapVariance = 4.0;
-
-/// Variance of the turn of a robot that stands [rad2].
 constexpr double kStandingYawVariance = 1e-12;
 
 }  // namespace

@@ -17,24 +17,17 @@
 namespace orchard::pose {
 namespace {
 
-/// Standard deviation of the unknown speed in a gap of ODOMETRY [m/s]: the usual speed of such
-/// robots.
+// physical: the usual speed of such robots, which is unknown in a gap of ODOMETRY.
 constexpr double kSilenceSpeedSd_mps = 1.5;
-
-/// The same for the yaw rate [rad/s].
 constexpr double kSilenceYawRateSd_radps = 0.5;
-
-/// A larger standard deviation of the position causes a warning in STATUS [m]: trunks of one row
-/// could be confused.
+// physical: trunks of one row are a metre apart, so that a less certain position is warned of [m].
 constexpr double kWarnSd_m = 0.5;
-
-/// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
+// derived: steps between fixes that show the receiver's noise are short against kReceiverMemory_s.
 constexpr double kFixStep_s = 2.0;
-
-/// Poses are told once the heading is known to this standard deviation [rad]: enough for the solver
-/// of the smoothed path to converge.
+// derived: the heading is known well enough for the solver of the smoothed path to converge.
 constexpr double kStartYawSd_rad = 1.0 / 6.0;
-
+// physical: an IMU speaks ten times in that time; wheels that turn less stand. A person reads a
+// warning within five seconds.
 constexpr double kImuFresh_s = 0.2;
 constexpr double kStandingSpeed_mps = 1e-3;
 constexpr double kStandingYawRate_radps = 1e-3;

@@ -59,7 +59,7 @@ class Fusion : public Localiser {
   /// step, without a gap.
   std::vector<PoseEstimate> take_past_poses() override { return std::exchange(past_, {}); }
 
-  static constexpr std::int64_t kPastMax_us = 60'000'000;
+  static constexpr std::int64_t kPastMax_us = 60'000'000;  // derived: bounds the memory
 
   std::optional<Trajectory> take_correction() override;
   void finish() override;

@@ -12,22 +12,15 @@
 namespace orchard::pose {
 namespace {
 
-/// Prior standard deviation of the turn per metre by unequal wheels or a steering offset [1/m].
+// Priors of the wheels' errors and their random walks. physical: unequal wheels or a steering
+// offset turn so much per metre; the effective track width is a tenth off on soft ground and for
+// skid steering; tyres and loads change slowly compared with the ground; data sheets of MEMS gyros.
 constexpr double kCurvatureSd_per_m = 0.02;
-
-/// Prior standard deviation of the scale of turns: the effective track width is a tenth off on soft
-/// ground and for skid steering.
 constexpr double kTurnScaleSd = 0.1;
-
-/// Random walk of the scales with travel [1/sqrt(m)]: tyres and loads change slowly compared with
-/// the ground.
 constexpr double kScaleWalk_per_sqrt_m = 1e-4;
-
-/// Random walk of the gyro's bias [rad/s/sqrt(s)].
 constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
-
-/// Correlation time of the errors of speed and yaw rate [s]; converts their variances into spectral
-/// densities.
+/// Correlation time of the errors of speed and yaw rate [s], which converts their variances into
+/// spectral densities; physical: a wheel's turn over a clod.
 constexpr double kNoiseTime_s = 0.1;
 
 enum Index {

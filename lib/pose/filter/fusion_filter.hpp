@@ -7,7 +7,7 @@
 
 namespace orchard::pose {
 
-/// Prior standard deviation of the gyro bias [rad/s]: typical of MEMS gyros.
+/// Prior standard deviation of the gyro bias [rad/s]; physical: typical of MEMS gyros.
 inline constexpr double kGyroBiasSd_radps = 0.02;
 
 /// Measured motion of base over a short time.
@@ -45,7 +45,7 @@ struct PositionObservation {
 /// positions at present, e.g. by reflected signals [m].
 class FusionFilter {
  public:
-  static constexpr int kSize = 13;
+  static constexpr int kSize = 13;  // derived: the states above
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 

@@ -60,7 +60,7 @@ class GnssMonitor {
   std::optional<double> scatter_m() const;
 
  private:
-  static constexpr std::size_t kNumSteps = 31;
+  static constexpr std::size_t kNumSteps = 31;  // derived: 6 s at 5 Hz
 
   std::optional<Gnss> first_same_;          ///< first of the latest identical fixes
   double travel_m_ = 0.0;                   ///< travel since first_same_

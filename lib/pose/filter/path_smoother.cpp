@@ -19,29 +19,19 @@
 namespace orchard::pose {
 namespace {
 
-/// Travel and turn between keyframes; the path in between follows the wheels.
+// derived: between keyframes the path follows the wheels, which err by millimetres over so little;
+// the path is solved when it has grown by a tenth, so that the cost per metre stays constant.
 constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
-
-/// Min speed for converting a yaw rate bias to a turn per metre [m/s].
-constexpr double kSpeedMin_mps = 0.1;
-
-/// The path is solved when it has grown by this fraction, so that the cost per metre stays
-/// constant.
 constexpr double kGrowth = 0.1;
 constexpr int kKeyframesMin = 20;
-
-/// Max fraction of positions left out by an acceptable solution.
+// derived: a solution that leaves out more than one position of five is none; and as much travel
+// behind a gap as makes one determines position and heading again.
 constexpr double kLeftOutMax = 0.2;
-
-/// Travel without a position that makes a gap; the same travel after it determines position and
-/// heading again [m].
 constexpr double kGap_m = 20.0;
-
-/// Smallest standard deviation of the wheels' errors that is not taken for none.
+// derived: no division by zero at rest, and where the wheels' errors never change.
+constexpr double kSpeedMin_mps = 0.1;
 constexpr double kSdMin = 1e-6;
-
-/// Avoids division by zero where the wheels' errors never change.
 constexpr double kKeptMin = 1e-9;
 
 SlamConfig graph_config(const PoseConfig& config) {

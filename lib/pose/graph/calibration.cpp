@@ -12,14 +12,13 @@
 namespace orchard::pose {
 namespace {
 
-// Travel over which the wheels' scales change by their prior standard deviation [m]: slip depends
-// on ground and curvature, tyres on temperature and load.
+// Travel over which the wheels' scales and the yaw rate bias change by their prior standard
+// deviation [m]. physical: slip depends on ground and curvature, tyres on temperature and load; the
+// bias does not depend on the ground.
 constexpr double kCalibrationChange_m = 50.0;
-// The same for the yaw rate bias, which does not depend on the ground.
 constexpr double kBiasChange_m = 500.0;
-// Avoids division by zero when a prior standard deviation is 0.
+// derived: no division by a prior of 0; the initial walk_sd counts as one step.
 constexpr double kSdMin = 1e-9;
-// Weight of the initial walk_sd, in steps.
 constexpr double kPriorSteps = 1.0;
 
 }  // namespace

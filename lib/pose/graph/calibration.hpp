@@ -12,7 +12,8 @@
 
 namespace orchard::pose {
 
-/// Length of an interval, over which the odometry calibration is constant [m].
+/// Length of an interval, over which the odometry calibration is constant [m]; derived: a fifth of
+/// the travel in which the wheels' scales change.
 inline constexpr double kCalibrationTravel_m = 10.0;
 
 /// Prior of the odometry calibration.

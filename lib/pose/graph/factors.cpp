@@ -18,7 +18,7 @@ using geometry::transform;
 
 namespace {
 
-/// Min standard deviation of a receiver's correlated error [m].
+/// Min standard deviation of a receiver's correlated error [m]; derived: far below any receiver's.
 constexpr double kReceiverSdMin_m = 0.001;
 
 double receiver_sd_m(const ReceiverModel& model, const ReceiverError& error) {
@@ -57,7 +57,8 @@ struct Evaluation {
   }
   template <class Values>
   void set_derivative(int block, const Values& values) const {
-    constexpr int kColumns = Values::ColsAtCompileTime;
+    constexpr int kColumns = Values::ColsAtCompileTime;  // derived: of the type
+    // derived: Eigen knows a column in column order only.
     constexpr int kOrder = kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor;
     if (!wants_derivative(block)) return;
     Eigen::Map<Eigen::Matrix<double, Rows, kColumns, kOrder>>{jacobians[block]} = values;

@@ -14,7 +14,8 @@ class CostFunction;
 /// an OdometryCalibration. The caller owns the returned objects.
 namespace orchard::pose {
 
-/// Scale of the robust (Cauchy) loss: residuals above it are increasingly down-weighted.
+/// Scale of the robust (Cauchy) loss: residuals above it are increasingly down-weighted. derived:
+/// Gaussian residuals exceed it once in 370.
 inline constexpr double kOutlier_sigma = 3.0;
 
 /// Motion between two poses: parameters previous pose, pose, calibration. `covariance` is that of

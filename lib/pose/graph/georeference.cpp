@@ -24,33 +24,23 @@ using geometry::square;
 using geometry::transform;
 namespace {
 
+// derived: spread over six standard deviations, positions give a heading to a sixth of a radian,
+// enough for the solver to converge; one of five may be an outlier by reflected signals.
 constexpr std::size_t kNumPositionsMin = 4;
-
-/// Min spread of the positions in standard deviations: it gives a heading to a sixth of a radian,
-/// enough for the solver to converge.
 constexpr double kSpreadSigma = 6.0;
-
-/// Min fraction of the positions that must fit the path; some are outliers by reflected signals.
 constexpr double kFitMin = 0.8;
-
 constexpr int kRounds = 5;
-
-/// Fixes within this time share one receiver error [us]; short compared with kReceiverMemory_s.
+// Fixes within this time share one receiver error [us]; derived: short against kReceiverMemory_s.
 constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
-
-/// A fix farther than this from the path counts as left out [standard deviations of the receiver].
+// derived: a Gaussian fix is farther from the path once in two million.
 constexpr double kLeftOut_sigma = 5.0;
-
-/// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
+// Steps between fixes show the receiver's noise; derived: short against kReceiverMemory_s, and so
+// many that their median is known to a fifth.
 constexpr double kStep_s = 2.0;
-
 constexpr std::size_t kStepsMin = 20;
-
-/// Weight of the claimed variance, in independent fixes: a unit information prior (Kass and
-/// Wasserman 1995).
+// Weight of the claimed variance, in independent fixes; derived: a unit information prior (Kass and
+// Wasserman 1995). A variance beyond four times the claimed one is told.
 constexpr double kClaimWeight = 1.0;
-
-/// A larger error is reported, in claimed standard deviations.
 constexpr double kWorthSaying = 2.0;
 
 /// Mean distance of the fixes that share one correlated error from the path.

@@ -13,7 +13,7 @@ namespace orchard::pose {
 using geometry::rotation;
 namespace {
 
-// Min standard deviation of a landmark, by the accuracy of the map around it.
+// Min standard deviation of a landmark [m]; physical: bark is rough by so much.
 constexpr double kLandmarkSdMin_m = 0.02;
 
 template <class Observations>

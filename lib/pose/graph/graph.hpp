@@ -89,7 +89,7 @@ class OlderSums {
   void forget(int landmark) { sums_.erase(landmark); }
 
  private:
-  /// More than are in the local map; memory must not grow with the drive.
+  /// derived: more than are in the local map; memory must not grow with the drive.
   static constexpr std::size_t kSumsMax = 1024;
 
   int first_ = 0;

@@ -23,6 +23,7 @@ struct Loss {
 /// Returns half the square or, if `robust`, the Cauchy loss.
 Loss loss_of(double square, bool robust) {
   if (!robust) return {0.5 * square, 1.0};
+  // derived: squared.
   constexpr double kScale2 = kOutlier_sigma * kOutlier_sigma;
   const double sum = 1.0 + square / kScale2;
   return {0.5 * kScale2 * std::log(sum), 1.0 / sum};
@@ -385,7 +386,7 @@ double GraphProblem::norm_of_unknowns() const {
 }
 
 bool GraphProblem::solve(bool robust, int iterations_max, double tolerance) {
-  // Defaults of Ceres.
+  // derived: the defaults of Ceres.
   constexpr double kFirstRadius = 1e4;
   constexpr double kRadiusMax = 1e16;
   constexpr double kGainMin = 1e-3;        // min fraction of the predicted decrease of the cost

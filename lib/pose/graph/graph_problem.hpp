@@ -51,7 +51,7 @@ class GraphProblem {
   void add_calibration_walk(int index, const Eigen::Vector3d& kept);
 
  protected:
-  static constexpr int kNone = -1;
+  static constexpr int kNone = -1;  // derived: no index
   enum class Evidence { kAll, kOwnMeasurements };
 
   /// Some of the values: a pose, a calibration, a receiver's error or a landmark.

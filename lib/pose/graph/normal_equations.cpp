@@ -14,8 +14,8 @@
 namespace orchard::pose {
 namespace {
 
-/// Finding an order by nested dissection takes as long as some hundred multiplications per entry
-/// of the matrix.
+/// derived: finding an order by nested dissection takes as long as some hundred multiplications per
+/// entry of the matrix.
 constexpr double kDissectionWork_per_entry = 100.0;
 
 /// The pattern of a factor, without its numbers.
@@ -45,7 +45,7 @@ std::optional<FillReducingOrdering::PermutationType> dissected(
   return order;
 }
 
-/// Number of couplings of a block that may be added before sorting out duplicates.
+/// Couplings of a block that may be added before duplicates are sorted out; derived: a kilobyte.
 constexpr std::size_t kUnsortedMax = 64;
 
 }  // namespace

@@ -123,6 +123,7 @@ class NormalEquations {
   template <class Block>
   void add_below(int a, int b, const Block& block) {
     if (is_dense_) {
+      // derived: of the type.
       constexpr int kRows = Block::RowsAtCompileTime, kColumns = Block::ColsAtCompileTime;
       dense_H_.block<kRows, kColumns>(first(a), first(b), size(a), size(b)) += block;
       return;

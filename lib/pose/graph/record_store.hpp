@@ -18,7 +18,7 @@ namespace orchard::pose {
 /// Pointers into a chunk stay valid; a missing call costs memory, not correctness.
 class ChunkAllocator {
  public:
-  static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+  static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // derived: some 256 pages
 
   virtual ~ChunkAllocator() = default;
 
@@ -89,6 +89,7 @@ class RecordStore {
   }
 
  private:
+  // derived: by size.
   static constexpr std::size_t kRowsPerChunk = ChunkAllocator::kChunkBytes / sizeof(Row);
 
   struct Chunk {

@@ -21,12 +21,13 @@ using geometry::compose_jacobian_second;
 
 namespace {
 
-// Each keyframe is solved in many successive windows, so a single one need not converge.
+// derived: limits of iterations and the relative decrease of the cost below which they end. Each
+// keyframe is solved in many successive windows, so a single one need not converge; across gaps
+// between positions without landmarks convergence is slow.
 constexpr int kWindowIterations = 6;
-constexpr double kWindowTolerance = 1e-4;  // min relative decrease of the cost
+constexpr double kWindowTolerance = 1e-4;
 constexpr int kGraphIterations = 30;
 constexpr int kClosureIterations = 10;
-// Without landmarks, convergence across gaps between positions is slow.
 constexpr int kBendIterations = 100;
 constexpr double kGraphTolerance = 1e-6;
 

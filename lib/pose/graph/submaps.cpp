@@ -8,6 +8,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/graph/calibration.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -19,18 +20,12 @@ using geometry::transform;
 
 namespace {
 
-// A less certain motion must not be inside a rigid submap: observations may not have corrected it.
-constexpr double kBlindSd_m = 0.05;
-constexpr double kBlindSd_rad = 0.02;
-// One sigma of the rigidity assumption inside a submap.
-constexpr double kRigiditySd_m = 0.01;
-
-// Number of landmarks that determine the pose of a keyframe.
+// derived: two landmarks determine the pose of a keyframe.
 constexpr int kPlacedBy = 2;
 
 bool is_blind(const Eigen::Matrix3d& P) {
-  return std::max(P(0, 0), P(1, 1)) > kBlindSd_m * kBlindSd_m ||
-         P(2, 2) > kBlindSd_rad * kBlindSd_rad;
+  return std::max(P(0, 0), P(1, 1)) > kRigidMotionSd_m * kRigidMotionSd_m ||
+         P(2, 2) > kRigidMotionSd_rad * kRigidMotionSd_rad;
 }
 
 /// Joins two successive motions, with the derivative by the odometry calibration.
@@ -84,7 +79,7 @@ void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_subma
     slot = static_cast<int>(sums.size());
     SlamObservation fresh;
     fresh.landmark = seen.landmark;
-    fresh.floor_sd_m = kRigiditySd_m;
+    fresh.floor_sd_m = kSubmapRigiditySd_m;
     sums.push_back(fresh);
   }
   SlamObservation& sum = sums[static_cast<std::size_t>(slot)];

@@ -21,26 +21,34 @@ using geometry::rotation;
 using geometry::transform;
 namespace {
 
-/// Max duration of a scan; an observation farther from its scan's stamp is not corrected.
+// physical: a scan takes less; an observation farther from its scan's stamp is not corrected [s].
 constexpr double kMaxScanS = 1.0;
 
+// physical: two trunks stand farther apart, and a trunk's centre is seen within a step [m].
+constexpr double kMatchM = 0.5;
+constexpr double kNewTrunkM = 0.6;
+
+// derived: quantile of the gate; what three scans show, and most of those that should, is real;
+// what five in a row do not, or none of the last metres, is not.
 constexpr double kLocalGate2 = geometry::kChiSquare2_999;
-constexpr double kMatchM = 0.5;             ///< max distance of an observation from its trunk
-constexpr double kNewTrunkM = 0.6;          ///< min distance of a new trunk from known ones
-constexpr int kConfirmingObservations = 3;  ///< min number of observations of a real trunk
-constexpr double kSureFraction = 0.5;       ///< min fraction of the scans that should have shown it
-constexpr int kMissedForgotten = 5;         ///< consecutive misses that remove an unconfirmed trunk
-constexpr double kUnsureTravelM = 3.0;      ///< travel unseen that removes an unconfirmed trunk
+constexpr int kConfirmingObservations = 3;
+constexpr double kSureFraction = 0.5;
+constexpr int kMissedForgotten = 5;
+constexpr double kUnsureTravelM = 3.0;
+
+// derived: budgets, of a filter that costs the square of its trunks, and a view every half metre
+// or as much turned.
 constexpr std::size_t kMaxTrunks = 60;
+constexpr std::size_t kMaxViews = 200;
 constexpr double kViewTravelM = 0.5;
 constexpr double kViewTurnRad = 0.3;
-constexpr std::size_t kMaxViews = 200;
-constexpr int kJudgedTrunks = 3;  ///< min number of expected trunks to judge the motion
+
+// derived: fewer than three trunks judge nothing, and less than a third of them seen is not by
+// chance. A trunk first seen after the robot was carried would confirm the wrong motion, so that
+// only older ones judge it.
+constexpr int kJudgedTrunks = 3;
 constexpr double kBrokenFraction = 0.34;
-/// Min age in scans of a trunk used to judge the motion: one first seen after the robot was carried
-/// would confirm the wrong motion.
 constexpr int kOldScans = 10;
-/// Min number of contradictions in a scan; fewer may occur by chance.
 constexpr int kSurprises = 3;
 
 }  // namespace

@@ -73,7 +73,7 @@ class LocalTrunkMap {
   bool last_scan_contradicts() const { return last_scan_contradicts_; }
 
  private:
-  static constexpr int kInconsistentScans = 5;
+  static constexpr int kInconsistentScans = 5;  // derived: half a second
 
   struct Entry {
     int num_seen = 0;

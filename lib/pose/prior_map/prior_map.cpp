@@ -12,21 +12,18 @@
 namespace orchard::pose {
 namespace {
 
+// physical: limits of plausible orchards in metres, which maps in mm, cm or km exceed; two trunks
+// do not stand nearer than kOneTrunkM.
 constexpr std::size_t kMinLandmarks = 3;
 constexpr double kMaxCoordinateM = 1e8;
-
-/// Two landmarks nearer to each other than this are one trunk.
 constexpr double kOneTrunkM = 0.4;
-
-// Limits of plausible orchards in metres; maps in mm, cm or km exceed them.
 constexpr double kMaxTrunkM = 3.0;
 constexpr double kMaxSpacingM = 50.0;
 constexpr double kMinSpacingM = 0.05;
 
-/// Min detection rate of a trunk in LocalTrunkMap (its kSureFraction).
+// derived: the min detection rate of a trunk in LocalTrunkMap (its kSureFraction); a bound on the
+// cost of a dense map.
 constexpr double kSeenMostly = 0.5;
-
-/// Max number of neighbours that form pairs with a landmark; bounds the cost of a dense map.
 constexpr std::size_t kMaxNeighbours = 60;
 
 /// Returns the median distance to the nearest other landmark, by a sweep over x.

@@ -12,7 +12,8 @@
 
 namespace orchard::pose {
 
-/// Prior fraction of trees removed, and of trees added, between two days.
+/// Prior fraction of trees removed, and of trees added, between two days. physical: growers replace
+/// a few of a hundred in a year.
 inline constexpr double kChangeFraction = 0.05;
 
 /// A landmark of the prior map.

@@ -10,6 +10,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/motion.hpp"
+#include "pose/tuning.hpp"
 #include "text/number_text.hpp"
 #include "timing/units.hpp"
 
@@ -20,53 +21,34 @@ namespace {
 
 // Thresholds for accepting, checking and giving up a position in a prior map.
 
-/// Travel between two searches, and between two checks of the present position [m].
+// derived: travel between two searches or checks [m], in which a scan shows another tree; and a
+// bound on the cost of a scan. Constellations of fewer trunks repeat in an orchard.
 constexpr double kSearchInterval_m = 1.0;
-
-/// Min number of trunks for a search; smaller constellations repeat in an orchard.
 constexpr int kTrunksMin = 6;
-
-/// Number of hypotheses scored per scan; bounds its cost.
 constexpr int kHypothesesPerScan = 400;
 
-/// Min natural log-odds of a position against all others together to be accepted (1 in 8,000), and
-/// min log-likelihood advantage of a rival over the present position.
+// derived: min natural log-odds of a position against all others together (1 in 8,000), and of a
+// rival over the present one; min log-likelihood ratio of a position against another orchard.
 constexpr double kLogOddsMin = 9.0;
-
-/// Min natural log-likelihood ratio of a position against another orchard with the same planting
-/// pattern.
 constexpr double kLogFitMin = 0.0;
 
-/// If a smaller fraction of the expected trees is observed, the position is given up, unless the
-/// trunks around support it.
-constexpr double kLostFraction = 0.5;
-
-/// If at least this fraction of the expected trees is observed, a bad fit of the trunks around is
-/// not sufficient to give up the position: another one must explain them better.
-constexpr double kDetectedFraction = 0.8;
-
-/// A position with a larger standard deviation is lost [m]; see also kLostSpacings.
+// derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour; four
+// trees show a half, and one contradicting check may be by chance. The trunks within 1.5 detection
+// ranges check the present position.
 constexpr double kLostSd_m = 1.0;
-
-/// Max standard deviation of a position as a fraction of the trees' spacing; beyond it, landmarks
-/// may be confused with their neighbours.
 constexpr double kLostSpacings = 0.3;
-
-constexpr int kExpectedTreesMin = 4;  ///< min number of expected trees for a decision
-
-/// Number of consecutive contradicting checks that end a position.
+constexpr int kExpectedTreesMin = 4;
 constexpr int kContradictionsMin = 2;
-
-/// The present position is checked by trunks within this distance and travel, in detection ranges.
 constexpr double kNearby_ranges = 1.5;
 
-/// Standard deviations of the velocity of base while its motion is not measured.
+// physical: velocity of a robot whose motion is not measured; limit of a jump of time [s].
 constexpr double kUnmeasuredSpeedSd_mps = 0.5;
 constexpr double kUnmeasuredYawRateSd_radps = 0.3;
-constexpr double kMaxStep_s = 1e6;  ///< keeps all numbers finite across jumps of time
+constexpr double kMaxStep_s = 1e6;
 
-/// Max standard deviation, relative to base, of a trunk of the local map that is used as evidence.
-constexpr double kDistortedSd_m = 0.25;
+// derived: what is farther from the present position cannot be its own error.
+constexpr double kRivalDistance_m = 1.0;
+constexpr double kRivalRotation_rad = 0.3;
 
 std::string pose_text(const PoseHypothesis& hypothesis) {
   return "(" + fixed_text(hypothesis.T_map_base.x(), 1) + ", " +
@@ -85,10 +67,6 @@ PriorMapData checked(PriorMapData earlier) {
   earlier.landmarks = without_duplicates(earlier.landmarks);
   return earlier;
 }
-
-/// Min distance and rotation between a rival and the present position.
-constexpr double kRivalDistance_m = 1.0;
-constexpr double kRivalRotation_rad = 0.3;
 
 double largest_sd_m(const Eigen::Matrix3d& P) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;

@@ -12,6 +12,7 @@
 #include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
 #include "pose/repeat_model.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -20,51 +21,32 @@ using geometry::inverse_transform;
 using geometry::rotation;
 namespace {
 
+// derived: quantile of the gate, and less than the distance of two trunks [m].
 constexpr double kScoreGate2 = geometry::kChiSquare2_997;
 constexpr double kScoreGate_m = 0.6;
 
-/// Null hypothesis: density of trunks at the position expected by any lattice of rows, about 0.2 m
-/// around it [1/m2]. Only a nearer match supports this orchard rather than any orchard.
-constexpr double kLatticeDensity = 3.0;
-
-/// Distortion of the local map, standard deviation per root metre.
-constexpr double kBendSdM = 0.015;
-constexpr double kBendSdRad = 0.003;
-
-/// Approximate min detection rate of objects in a map.
+// physical: objects that are detected less often are in no map; a trunk may have grown.
 constexpr double kMappedRate = 0.1;
+constexpr double kMinWidthEvidence = -2.0;
 
-/// Factor on a trunk's probability of being in the map if the earlier drive did not look there; not
-/// zero because its coverage is known only approximately.
-constexpr double kUnseenFraction = 0.1;
-
-constexpr double kMinWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
-
-/// Min number of views with a landmark in sight for it to count as missing.
+// derived: a landmark counts as missing if three views show its place; a shorter pair determines
+// the heading poorly; the numbers of pairs bound the cost of a search, three for each trunk so that
+// no single one spoils it.
 constexpr int kMissingViews = 3;
-
-constexpr double kPairMinM = 1.5;  ///< a shorter pair determines the heading poorly
+constexpr double kPairMinM = 1.5;
 constexpr std::size_t kSeedTrunks = 14;
 constexpr std::size_t kMaxSeeds = 10;
 constexpr int kSeedsPerTrunk = 3;
 constexpr double kToleranceSigma = 3.0;
 
-/// Poses nearer to each other than this are the same.
+// derived: poses nearer to each other than this are the same. Hypotheses with a score below
+// kGivenUpScore are abandoned: by Ville's inequality the likelihood ratio of the true pose falls
+// below e^-12 at some trunk in one of 160,000 searches. Those far below the best are negligible.
 constexpr double kSamePlaceM = 0.5;
 constexpr double kSamePlaceRad = 0.2;
-
-/// Hypotheses with a lower score are abandoned: by Ville's inequality the likelihood ratio of the
-/// true pose falls below e^-12 at some trunk in one of 160,000 searches.
 constexpr double kGivenUpScore = -12.0;
-
-constexpr double kKeptBelowBest = 30.0;  ///< poses this far below the best are negligible
+constexpr double kKeptBelowBest = 30.0;
 constexpr std::size_t kMaxPlaces = 200;
-
-/// Min sum of the best pose's score and its log-odds against the other poses. Other poses in the
-/// map act as another orchard with the same planting pattern, because they must explain the same
-/// trunks, including felled and planted ones. In maps of other orchards this sum was at most 14
-/// (137 drives, one of them above 8.3).
-constexpr double kScoreAndLeadElsewhere = 20.0;
 
 bool is_same_pose(const PoseHypothesis& a, const PoseHypothesis& b) {
   return (a.T_map_base - b.T_map_base).head<2>().norm() < kSamePlaceM &&
@@ -95,8 +77,9 @@ std::optional<PoseHypothesis> HypothesisScorer::fit(const PoseHypothesis& start,
     if (before) {
       const double apart_m = (trunk.p_local - *before).norm();
       const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // about the trunk, not the origin
-      P += kBendSdRad * kBendSdRad * apart_m * turn * turn.transpose();
-      P.topLeftCorner<2, 2>() += kBendSdM * kBendSdM * apart_m * Eigen::Matrix2d::Identity();
+      P += kLocalBendSd_rad * kLocalBendSd_rad * apart_m * turn * turn.transpose();
+      P.topLeftCorner<2, 2>() +=
+          kLocalBendSd_m * kLocalBendSd_m * apart_m * Eigen::Matrix2d::Identity();
     }
     before = &trunk.p_local;
 

@@ -69,11 +69,11 @@ class HypothesisScorer {
   double gate_radius_m_;
 };
 
-/// Max distance of two trunks that start a hypothesis [m]: dead reckoning between them is accurate.
+/// Max distance of two trunks that start a hypothesis [m]; derived: dead reckoning between them is
+/// accurate.
 inline constexpr double kHypothesisPairMax_m = 8.0;
-
 /// Natural log-likelihood ratio of another orchard with the same planting pattern against a
-/// position, above which the position is contradicted (1 in 55).
+/// position, above which the position is contradicted; derived: 1 in 55.
 inline constexpr double kLostLogFit = 4.0;
 
 /// Result of a search of the whole prior map.

@@ -8,6 +8,7 @@
 
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -19,28 +20,21 @@ using geometry::rotation;
 using geometry::transform;
 namespace {
 
-/// Random walk of dead reckoning by slip, in addition to the wheels' covariance [m/sqrt(m)].
+// physical: slip besides the wheels' covariance [m/sqrt(m)]; a headland turn, a half circle from
+// one alley to the next; the wheels' errors wander by their prior within hours, here as a fraction
+// of it per root second.
 constexpr double kDrift_m_per_sqrt_m = 0.01;
-
-constexpr double kTrackGate2 = geometry::kChiSquare2_997;
-constexpr double kTrackGate_m = 1.0;  ///< max distance of an observation from its landmark
-constexpr double kRivalGap = 6.0;     ///< min difference of d2 to the second best landmark
-constexpr double kWidthSigma = 5.0;   ///< gate of the difference of widths, plus kWidthSlackM
-constexpr double kWidthSlackM = 0.15;
-
-/// Number of observations of a tree that count as one, because they share the map's error there.
-constexpr double kSightingsPerTree = 10.0;
-
-/// Min PriorMap::repeat of a landmark that is expected to be seen.
-constexpr double kSureRepeat = 0.5;
-
-/// Length and duration of a headland turn, a half circle from one alley to the next.
 constexpr double kTurnTravelM = 6.0;
 constexpr double kTurnS = 6.0;
-
-/// Random walk of the wheels' errors, as a fraction of their prior standard deviation per root
-/// second.
 constexpr double kWander = 0.01;
+
+// derived: quantile of the gate, less than the distance of two trees; a width differs by five
+// standard deviations and what grows in a year; a landmark is expected if it is seen mostly.
+constexpr double kTrackGate2 = geometry::kChiSquare2_997;
+constexpr double kTrackGate_m = 1.0;
+constexpr double kWidthSigma = 5.0;
+constexpr double kWidthSlackM = 0.15;
+constexpr double kSureRepeat = 0.5;
 
 }  // namespace
 

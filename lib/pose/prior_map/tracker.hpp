@@ -33,6 +33,7 @@ class TreeDetectionMonitor {
   Count count() const;
 
  private:
+  // derived: a second of scans, and nearly half of them.
   static constexpr std::size_t kScans = 10;
   static constexpr int kSureScans = 4;
 

@@ -8,23 +8,17 @@
 #include <unordered_set>
 
 #include "geometry/pose2.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
 using geometry::transform;
 namespace {
 
-/// Radius of the neighbouring returns that determine a normal [m]: several beams of one surface,
-/// but not the next trunk.
+// derived: several beams of one surface, but not the next trunk, determine a normal [m].
 constexpr double kNormalRadius_m = 0.30;
-
-/// Max ratio of the smallest to the largest variance of the neighbours of a flat surface.
-constexpr double kFlatnessMax = 0.05;
-
-constexpr std::ptrdiff_t kNeighbours = 6;  ///< to each side
+constexpr std::ptrdiff_t kNeighbours = 6;  // to each side
 constexpr int kPointsOfSurfaceMin = 4;
-/// Min extent of a surface with a normal (1-sigma along it).
-constexpr double kSurfaceLengthSd_m = 0.06;
 
 void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
   const auto size = static_cast<std::ptrdiff_t>(points.size());
@@ -53,18 +47,14 @@ void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
   point.flat = true;
 }
 
-/// Extent of the local map beyond the scanner's max range [m].
+// derived: extent beyond the scanner's max range [m]; spacing above the noise of a range; cells
+// about as large as the last iterations' pairs, whose number of points bounds the cost of a query.
 constexpr double kMapRadius_m = 50.0;
-
-/// Min distance between two points of the map [m], above the noise of a range.
 constexpr double kMapSpacing_m = 0.07;
-
-/// Max number of points per cell; bounds the cost of a query.
 constexpr int kMapCellPointsMax = 16;
-
-/// Side of a cell of the map [m], about the max pair distance of the last iterations.
 constexpr double kMapCell_m = 0.4;
 
+// derived: a raster resolves half its kernel, which ends at two standard deviations.
 constexpr int kCellsPerKernel = 2;
 constexpr int kReachCells = 2 * kCellsPerKernel;
 

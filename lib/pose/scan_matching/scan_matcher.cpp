@@ -15,49 +15,24 @@ namespace orchard::pose {
 using geometry::rotation;
 namespace {
 
-/// Max distance of a pair in the first iterations [m].
-constexpr double kPairMax_m = 0.6;
-
-/// The same in the last iterations [m].
-constexpr double kPairFine_m = 0.25;
-
-/// Scale of the robust (Geman-McClure) kernel in the first iterations [m]: a pair at this distance
-/// has a quarter of the full weight.
-constexpr double kKernel_m = 0.3;
-
-/// The same in the last iterations [m].
-constexpr double kKernelFine_m = 0.10;
-
-/// Max iterations of each of the two stages; most scans converge in fewer.
+// derived: pairs within 2 and 2.5 kernels; most scans converge in fewer iterations, which end at a
+// fifth of a millimetre; a pose has three unknowns.
+constexpr double kPairMax_m = 2.0 * kKernel_m;
+constexpr double kPairFine_m = 2.5 * kKernelFine_m;
 constexpr int kIterationsMax = 25;
-
-/// Score below which all turns and the neighbourhood are searched for a better pose.
-constexpr double kScoreGood = 0.75;
-
-/// Min margin of the score of a pose found by search over the predicted one, which the prior
-/// favours.
-constexpr double kScoreAdvantage = 0.05;
-
-/// Number of candidates of the search that are refined; bounds its cost.
-constexpr int kSearchCandidates = 6;
-
-/// A robot that moved farther between two scans than the configured range, because some were lost,
-/// matches nothing there: the range is doubled this many times. Each doubling costs four times the
-/// time of the one before.
-constexpr int kWiderSearches = 2;
-
 constexpr double kDoneShift_m = 2e-4;
 constexpr double kDoneTurn_rad = 2e-5;
 constexpr int kPairsMin = 5;
-/// Weight of the residual along a smooth surface while iterating; it stabilises the steps.
-constexpr double kAlongFraction = 0.05;
 
-/// Scale of the distance between a point and the map in the search [m]. From one turn to the next
-/// no point moves by more.
+// derived: budgets of the search. A robot that moved farther between two scans than the configured
+// range, because some were lost, matches nothing there: the range is doubled this many times, each
+// four times as costly. From one turn to the next no point moves by more than the kernel;
+// candidates nearer than three steps converge to the same fit.
+constexpr int kSearchCandidates = 6;
+constexpr int kWiderSearches = 2;
 constexpr double kSearchKernel_m = 0.3;
 constexpr double kSearchShiftStep_m = 0.15;
 constexpr std::size_t kSearchPoints = 120;
-/// Candidates of the search nearer than this converge to the same fit.
 constexpr double kSameTurn_rad = 0.11;
 constexpr double kSameShift_m = 0.45;
 
@@ -85,26 +60,13 @@ bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre, double s
   return (match.T_map_base - centre).head<2>().norm() <= shift_m + kPairMax_m;
 }
 
-/// Min standard deviation of a pair [m], by the roughness of surfaces.
+// physical: roughness of surfaces, and what a robot moves between two scans.
 constexpr double kResidualSd_m = 0.02;
-
-/// Number of points that count as one, because errors of neighbouring points are correlated.
-constexpr double kCorrelatedPoints = 4.0;
-
-/// Standard deviation of a motion that the scans do not determine [m].
 constexpr double kUnknownShiftSd_m = 0.5;
-
-/// The same for its rotation [rad].
 constexpr double kUnknownTurnSd_rad = 0.3;
 
-/// Min remaining fraction of the predicted variance for a direction to count as undetermined.
-constexpr double kUntoldFraction = 0.25;
-
-/// Shift of the scan to each side, in kernels: informative points keep a fit of
-/// exp(-0.5 * 1.5^2) = 0.32.
+// derived: shifted so far, informative points keep a fit of exp(-0.5 * 1.5^2) = 0.32.
 constexpr double kProbeKernels = 1.5;
-/// Apparent informative fraction, by noise, on a surface that is endless along the direction.
-constexpr double kFractionByChance = 0.045;
 
 /// Returns the fraction of points that are informative on a shift along a direction, from the loss
 /// of fit by that shift.

@@ -6,14 +6,13 @@
 
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/point_map.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
-/// Kernel width of the final score [m]: scale of the distance between a point and the map.
+/// Kernel width of the final score [m]: scale of the distance between a point and the map; derived:
+/// half of kKernel_m.
 inline constexpr double kScoreKernel_m = 0.15;
-
-/// Score below which a match is a guess.
-inline constexpr double kScoreReliable = 0.35;
 
 /// Result of registering a scan to the local map.
 struct ScanMatch {

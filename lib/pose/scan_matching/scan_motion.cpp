@@ -15,20 +15,14 @@ using geometry::compose;
 using geometry::rotation;
 namespace {
 
-/// Side of the squares in which one return is used [m]: near surfaces get most returns and must not
-/// outweigh far ones.
+// derived: one return for each square, so that near surfaces, which get most, do not outweigh far
+// ones [m]; drift does not double a wall within this travel [m].
 constexpr double kThinning_m = 0.10;
-
-/// Min number of returns that determine a motion.
 constexpr int kPointsMin = 20;
-
-/// Points last seen this much travel ago are forgotten [m], so that drift does not double a wall.
 constexpr double kMapTravel_m = 15.0;
 
-/// Max standard deviation of a reliable motion along its worst direction [m].
+// physical: a motion known as well between two scans still tells neighbouring trunks apart.
 constexpr double kReliableShiftSd_m = 0.10;
-
-/// The same for its rotation [rad].
 constexpr double kReliableTurnSd_rad = 0.03;
 
 bool is_sure(const Eigen::Matrix3d& covariance) {

@@ -8,6 +8,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/motion.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -16,9 +17,10 @@ using geometry::rotation;
 using geometry::transform;
 namespace {
 
-constexpr std::size_t kNumSeeds = 4;  // points of which each pair starts a hypothesis
-constexpr double kRivalScore = 4.0;   // min log-likelihood margin of the best over a rival
-constexpr double kPreGate = 1.5;      // times the squared gate: pairs beyond it are never tested
+// derived: budgets; each pair of so many points starts a hypothesis, and pairs beyond the squared
+// gate by more than a correction moves them are never tested.
+constexpr std::size_t kNumSeeds = 4;
+constexpr double kPreGate = 1.5;
 
 /// A pose hypothesis and the pairs that correct it.
 struct ScanHypothesis {
@@ -202,20 +204,15 @@ bool is_new(const Eigen::Vector2d& p_map, const std::vector<AssociationCandidate
   });
 }
 
-/// Standard deviation of a centre, as a fraction of the width: trunks are not round.
+// physical: trunks are not round (fractions of the width), less so where a nearer object occludes
+// one side; crates and bushes have no well-defined centre [m]; no scanner measures a width better.
 constexpr double kObservationSd_widths = 0.1;
-
-/// Additional standard deviation when a nearer object occludes one side, as a fraction of the
-/// width.
 constexpr double kOccludedSd_widths = 0.25;
-
-/// Additional standard deviation of objects labelled kObject [m]: crates and bushes have no
-/// well-defined centre.
 constexpr double kObjectSd_m = 0.05;
-
-// Max time between a beam and its scan's stamp; a larger difference is a clock error.
-constexpr double kSweepMax_s = 0.5;
 constexpr double kWidthSdMin_m = 0.02;
+
+// derived: a beam farther from its scan's stamp has another clock; a millimetre, squared.
+constexpr double kSweepMax_s = 0.5;
 constexpr double kVarianceMin = 1e-6;
 
 bool usable(const detection::Detection& t, const SlamConfig& config) {

@@ -12,6 +12,7 @@
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "pose/slam/slam_map.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -19,13 +20,15 @@ using geometry::inverse_transform;
 using geometry::rotation;
 namespace {
 
+// derived: budgets of trees whose neighbours define the shifts, and that are tested per shift; the
+// neighbours in the row and in the next one; the lower quartile of the squared distance of a 2-D
+// Gaussian, in units of the variance, -2 ln(3/4). A shift contains the irregularity of its two
+// trees, which a registration averages out.
 constexpr std::size_t kNumTreesMin = 4;
-constexpr std::size_t kNumBases = 24;      // trees whose neighbours define the shifts
-constexpr std::size_t kNumMoved = 48;      // trees tested per shift
-constexpr std::size_t kNumNeighbours = 3;  // neighbours in the row and in the next one
-// Lower quartile of the squared distance of a 2-D Gaussian, in units of the variance: -2 ln(3/4).
+constexpr std::size_t kNumBases = 24;
+constexpr std::size_t kNumMoved = 48;
+constexpr std::size_t kNumNeighbours = 3;
 constexpr double kQuartile2 = 0.5753641449;
-// The shift contains the irregularity of its two trees; a registration averages this out.
 constexpr double kMoveVariances = 2.0;
 
 /// Returns the nearest neighbours of a tree, the nearest first.
@@ -45,17 +48,14 @@ std::vector<std::size_t> neighbours(const std::vector<Eigen::Vector2d>& trees, s
   return others;
 }
 
-constexpr std::size_t kNumPairs = 16;      // pairs of recent landmarks that start hypotheses
-constexpr double kPairMin_m = 3.0;         // nearer pairs determine the yaw poorly
-constexpr double kPairTolerance_m = 0.35;  // max difference of the pair's distance, recent and old
-constexpr std::size_t kNumRefined = 30;    // best hypotheses, which are refined
-constexpr int kNumRounds = 3;              // iterations of fitting and matching
-constexpr double kPriorGate2 = 16.0;       // max squared Mahalanobis distance from the prior pose
-constexpr double kDistortion = 0.004;      // sd of the recent map per metre from its centroid
-constexpr double kMissOdds = 2.0;          // log-odds subtracted for a tree mapped on one side only
-constexpr double kMatchedFraction = 0.7;   // min matched fraction of the trees in view
-constexpr double kSureFraction = 0.5;      // fraction of seen_m within which a tree is surely seen
-constexpr double kCell_m = 0.25;           // one hypothesis is kept per cell
+// derived: budgets of pairs, of hypotheses that are refined, one for each cell, and of rounds; a
+// nearer pair determines the yaw poorly; four standard deviations of the prior pose.
+constexpr std::size_t kNumPairs = 16;
+constexpr double kPairMin_m = 3.0;
+constexpr std::size_t kNumRefined = 30;
+constexpr int kNumRounds = 3;
+constexpr double kPriorGate2 = 16.0;
+constexpr double kCell_m = 0.25;
 constexpr double kCell_rad = 0.02;
 
 /// Hypothesis: a rigid motion of the recent landmarks.
@@ -185,7 +185,7 @@ class ClosureMatcher {
   /// True if a landmark at p would surely have been seen from one of the places.
   bool in_view(const Eigen::Vector2d& p, const ClosureLandmark& landmark,
                const std::vector<Eigen::Vector2d>& places) {
-    const double view_m = kSureFraction * landmark.seen_m;
+    const double view_m = kSurelySeenFraction * landmark.seen_m;
     return std::any_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) {
       ++num_operations_;
       return (place - p).squaredNorm() <= view_m * view_m;
@@ -247,26 +247,19 @@ class ClosureMatcher {
   std::int64_t num_operations_ = 0;
 };
 
-/// Length of the latest part of the path whose landmarks are registered to older ones, in sight
-/// ranges.
-constexpr double kClosureSubmap_ranges = 2.5;
-
-/// Travel between two searches for a loop closure [m].
+// derived: travel between two searches [m]; with so many older landmarks tracked the pose needs no
+// closure; one is tried again only when the graph has grown by a fiftieth, so that the cost of the
+// solves stays proportional to the drive, and their number at the end bounds its time.
 constexpr double kClosureEvery_m = 2.0;
-
-// If this many older landmarks are tracked now, the pose needs no loop closure.
 constexpr int kNumAnchors = 3;
-// A closure is tried again only when the graph has grown by this fraction, so that the cost of the
-// solves stays proportional to the drive.
 constexpr double kTryGrowth = 0.02;
-// Mean squared Mahalanobis distance of merged observations above which a closure is undone.
-constexpr double kRefutedDistance2 = 9.0;
-// Max number of solves for landmarks that are merged at the end of the drive: bounds its time.
 constexpr int kSolvesAtEndMax = 6;
-// The search radius is this many sigmas of the pose plus a margin.
+
+// derived: observations three standard deviations off on average undo a closure; the search radius
+// is four of the pose plus a margin; places are thinned to a fifth of the sight range.
+constexpr double kRefutedDistance2 = 9.0;
 constexpr double kSearchSigmas = 4.0;
 constexpr double kSearchMargin_m = 1.0;
-// Cell size by which the positions that landmarks were seen from are thinned, in sight ranges.
 constexpr double kPlaceCell_ranges = 0.2;
 
 ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {

@@ -19,7 +19,7 @@ namespace orchard::pose {
 /// quartile of the distances to the nearest tree; infinite for fewer than four trees.
 double lattice_residual_sd_m(const std::vector<Eigen::Vector2d>& trees);
 
-/// Min number of matched trees: two determine a motion, a third can contradict it.
+/// Min number of matched trees; derived: two determine a motion, a third can contradict it.
 inline constexpr std::size_t kClosureTreesMin = 3;
 
 /// A landmark for loop closure.

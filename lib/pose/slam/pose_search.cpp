@@ -9,13 +9,10 @@
 namespace orchard::pose {
 namespace {
 
-/// The last part of a beam before its return does not mark cells as free [m]: leaves and bark.
+// physical: leaves and bark before a return, so that the last of a beam frees no cell [m].
 constexpr double kBeforeHit_m = 0.6;
-
-/// Min value that a return gives to a cell near it; smaller values are not stored.
+// derived: kHit at two standard deviations; some tenths of a second of lookups.
 constexpr int kBesideMin = 15;
-
-/// Max number of raster lookups per search.
 constexpr std::int64_t kOperationsMax = 60'000'000;
 
 struct Node {
@@ -59,6 +56,7 @@ class Search {
     same_turns_ = same_rad / turn_step_rad_;
     best_ = nullptr;
     best_score_ = beaten;
+    // derived: the coarsest.
     constexpr int kTop = OccupancyPyramid::kLevels - 1;
     std::vector<Node> nodes;
     for (int turn = -num_turns_; turn <= num_turns_; ++turn) {

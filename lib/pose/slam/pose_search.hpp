@@ -14,6 +14,7 @@ namespace orchard::pose {
 /// the upper bounds by which branch and bound discards whole regions (after Hess et al. 2016).
 class OccupancyPyramid {
  public:
+  // derived: hundredths; a beam that passes weighs less than a return, which may be of a leaf.
   static constexpr int kHit = 100;      ///< value of a cell with a return
   static constexpr int kThrough = -60;  ///< value of a cell that beams passed through
   static constexpr int kLevels = 6;     ///< squares of 1 to 32 cells

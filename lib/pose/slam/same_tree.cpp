@@ -19,13 +19,11 @@
 namespace orchard::pose {
 namespace {
 
-/// Max expected number of pairs of two trees that one search takes for one.
+// derived: one false pair in a hundred searches; trees that look like two lie within their distance
+// plus three standard deviations; the spacing of trees is the first decile of the distances between
+// neighbours observed together.
 constexpr double kFalsePairsMax = 0.01;
-
-/// Two trees that look like these two lie within their distance plus this many sigmas.
 constexpr double kReach_sigma = 3.0;
-
-/// The spacing of trees is this decile of the distances between neighbours observed together.
 constexpr int kNearestOfTen = 1;
 
 bool is_tree(const SlamLandmark& landmark) { return landmark.alive && landmark.confirmed; }

@@ -13,7 +13,7 @@
 
 namespace orchard::pose {
 
-/// Min number of keyframes that confirm a landmark.
+/// Min number of keyframes that confirm a landmark; derived: two may be by chance.
 inline constexpr int kConfirmKeyframes = 3;
 
 /// Returns the occlusion test for the objects that a keyframe observed, other than `except`.

@@ -10,6 +10,7 @@
 #include "pose/scan_matching/scan_matcher.hpp"
 #include "pose/slam/pose_search.hpp"
 #include "pose/slam/slam_map.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
@@ -18,65 +19,46 @@ using geometry::compose;
 using geometry::rotation;
 namespace {
 
-/// Side of the squares in which one return is kept [m].
+// derived: side of the squares with one return, as for matching [m]. The scans of 20 m are
+// registered to those of twice as long ago, every 5 m, unless three old trunks or the standard
+// deviation say that the pose is known.
 constexpr double kThinning_m = 0.10;
-
-/// Length of the parts of the path whose scans are registered to each other [m].
 constexpr double kStretch_m = 20.0;
-
-/// Number of trunks in view, mapped at least kOld_m of travel ago, that constrain the pose enough.
-constexpr int kAnchorsEnough = 3;
 constexpr double kOld_m = 2.0 * kStretch_m;
-
-/// Min travel between two searches [m].
+constexpr int kAnchorsEnough = 3;
 constexpr double kAskEvery_m = 5.0;
-
-/// No search if the standard deviation of the position is smaller [m].
 constexpr double kAskSd_m = 0.10;
 
-/// Search window in standard deviations of the pose.
+// derived: the window is four standard deviations of the pose; at least so that it includes rivals
+// one tree or row away, at most what a search can try.
 constexpr double kWindowSigmas = 4.0;
-
-/// Limits of the search window; the minimum includes rivals one tree or row away.
 constexpr double kSearchMin_m = 4.0;
 constexpr double kSearchMax_m = 40.0;
 constexpr double kSearchTurnMin_rad = 0.05;
 constexpr double kSearchTurnMax_rad = 0.7;
 
-/// Side of the raster's cells [m], and of the squares with one point each, so that walls and hedges
-/// count by their length.
+// derived: cells above the roughness, and squares with one point each, so that walls and hedges
+// count by their length [m]; budgets of points.
 constexpr double kCell_m = 0.2;
 constexpr double kPointSpacing_m = 0.3;
-/// Repeatability of surfaces, 1-sigma [m]: the path is distorted, leaves move.
-constexpr double kRoughness_m = 0.15;
 constexpr std::size_t kPointsMin = 60;
 constexpr std::size_t kPointsMax = 400;
 
-/// Poses nearer to each other than this are the same.
+// derived: poses within some cells are the same; the fit of all points moves less than they do, and
+// is told to a point's spacing.
 constexpr double kSame_m = 1.2;
 constexpr double kSame_rad = 0.12;
-
-/// Min score per point in known cells, min fraction of points in known cells, and min lead of the
-/// best pose as a fraction of its score.
-constexpr double kScoreMin = 0.5;
-constexpr double kKnownMin = 0.4;
-constexpr double kLead = 0.2;
-
-/// Limits for the fit of all points: change of the pose found, score, and standard deviation.
 constexpr double kFitShift_m = 0.6;
 constexpr double kFitTurn_rad = 0.1;
-constexpr double kFitScore = 0.4;
 constexpr double kFitSd_m = 0.3;
 
-/// Distortion of the registered part of the path, added to the covariance of a closure.
+// physical: the registered part of the path is bent by so much.
 constexpr double kBendSd_m = 0.05;
 constexpr double kBendSd_rad = 0.005;
 
-/// Max squared Mahalanobis distance (3 degrees of freedom) of a closure after the solve.
+// derived: five standard deviations off after the solve refute a closure. One that moves the robot
+// by more needs a solve of the whole graph, which is only done after it has grown by a fiftieth.
 constexpr double kRefuted2 = 25.0;
-
-/// A closure that moves the robot by more than this [m] needs a solve of the whole graph, which is
-/// only done after the graph has grown by this fraction.
 constexpr double kMoves_m = 0.3;
 constexpr double kScanSolveGrowth = 0.02;
 
@@ -239,7 +221,7 @@ std::optional<RelativePose> ScanLoopCloser::verified(const SlamMap& map,
   const ScanMatch match = matcher.refined(points, T_map_base);
   const Eigen::Vector3d off = between(T_map_base, match.T_map_base);
   if (off.head<2>().norm() > kFitShift_m || std::abs(off.z()) > kFitTurn_rad ||
-      match.score < kFitScore) {
+      match.score < kScanClosureFitMin) {
     return std::nullopt;
   }
   r.T_from_to = between(keyframes[r.from].T_map_base, match.T_map_base);
@@ -282,7 +264,8 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
     points.push_back(all[i].p);
     farthest_m = std::max(farthest_m, all[i].p.norm());
   }
-  const double kernel_m = std::hypot(kRoughness_m, mount_.range_sd_at(0.5 * config_.range_max_m));
+  const double kernel_m =
+      std::hypot(kScanRoughness_m, mount_.range_sd_at(0.5 * config_.range_max_m));
   OccupancyPyramid raster(now.T_map_base.head<2>(), window_m + farthest_m, kCell_m, kernel_m);
   for (const int k : old) {
     const Eigen::Vector3d& T = keyframes[k].T_map_base;
@@ -296,10 +279,10 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
   window.half_turn_rad = std::clamp(kWindowSigmas * std::sqrt(std::max(0.0, now.covariance(2, 2))),
                                     kSearchTurnMin_rad, kSearchTurnMax_rad);
   const PoseSearchResult place =
-      find_submap_pose(points, raster, window, kSame_m, kSame_rad, kLead);
+      find_submap_pose(points, raster, window, kSame_m, kSame_rad, kScanClosureLead);
   num_operations_ += place.num_operations;
-  if (!place.found || place.on_known < kKnownMin * static_cast<double>(points.size()) ||
-      place.score < kScoreMin * place.on_known) {
+  if (!place.found || place.on_known < kScanClosureKnownMin * static_cast<double>(points.size()) ||
+      place.score < kScanClosureScoreMin * place.on_known) {
     return std::nullopt;
   }
   ambiguous_ = place.ambiguous;

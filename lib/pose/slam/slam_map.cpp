@@ -21,9 +21,6 @@ using geometry::rotation;
 using geometry::transform;
 namespace {
 
-/// Landmarks observed within this travel of a tracked one are covisible with it, in sight ranges.
-constexpr double kCovisibleTravel_ranges = 0.8;
-
 using Interval = std::pair<double, double>;  // of travel [m]
 
 /// Returns the intervals of travel in which landmarks tracked now were observed, plus a margin.
@@ -68,33 +65,26 @@ bool observed_in(const SlamGraph& graph, const SlamLandmark& landmark,
   return false;
 }
 
-/// Min travel between the position fixes that georeference the map [m]; it must be large compared
-/// with their error.
+// derived: travel between the position fixes that georeference the map [m], large compared with
+// their error; a position three standard deviations from the path contradicts it.
 constexpr double kPlacementTravel_m = 5.0;
+constexpr double kContradicts_sigma = 3.0;
 
-/// Larger graphs are solved by submaps while driving, to limit the delay.
+// derived: larger graphs are solved by submaps while driving, to limit the delay. Matching and
+// windows cost a keyframe the time of kKeyframeWork multiplications; the solves of the whole graph
+// may cost a quarter of it. A solve takes the time of some 16 factorisations, and each keyframe
+// takes part in one at the end and, since the graph is solved whenever it has grown by a tenth, in
+// ten before. The matrix of all keyframes at the end has 16 MiB, 12 bytes an entry. A solve for
+// each position would cost quadratically in the length of the drive.
 constexpr int kFineSolveKeyframes = 500;
-
-/// Matching and windows cost a keyframe the time of this many multiplications; the solves of the
-/// whole graph may cost a quarter of it. A solve takes the time of some 16 factorisations, and each
-/// keyframe takes part in one at the end and, since the graph is solved whenever it has grown by a
-/// tenth, in ten before.
 constexpr double kKeyframeWork = 4e7;
 constexpr double kFinalWork_per_keyframe = 0.25 * kKeyframeWork / 16.0;
 constexpr double kSubmapWork_per_keyframe = kFinalWork_per_keyframe / 11.0;
-
-/// Max size of the matrix of all keyframes, solved at the end: 16 MiB, 12 bytes an entry.
 constexpr std::size_t kFinalEntriesMax = (std::size_t{16} << 20) / 12;
-
-// Min growth of the graph between solves for absolute positions, as a fraction and in keyframes:
-// a solve for each position would cost quadratically in the length of the drive.
 constexpr double kPositionGrowth = 0.01;
 constexpr int kPositionKeyframes = 4;
 
-/// A position farther than this from the estimated path contradicts the path [sigma].
-constexpr double kContradicts_sigma = 3.0;
-
-// Landmarks enter the local map this distance before they come into view.
+// derived: landmarks enter the local map some keyframes before they come into view [m].
 constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace

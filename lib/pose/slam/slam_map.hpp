@@ -12,15 +12,13 @@
 #include "pose/graph/solver.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/slam/association.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 
-/// Travel within which an observed landmark stays in the local map, in sight ranges: a landmark is
-/// in view over twice the range while the robot passes it.
+/// Travel within which an observed landmark stays in the local map, in sight ranges; derived: a
+/// landmark is in view over twice the range while the robot passes it.
 inline constexpr double kRecentTravel_ranges = 2.0;
-
-/// Travel within which an observed landmark counts as tracked now, in sight ranges.
-inline constexpr double kTrackedTravel_ranges = 0.3;
 
 /// Returns the landmarks, ascending, whose position relative to the robot is certain enough for the
 /// association of single observations: those observed within the last kRecentTravel_ranges of

@@ -17,16 +17,11 @@ using geometry::inverse_transform;
 
 namespace {
 
-/// Min travel between the first and last keyframe that confirm a landmark [m]: a single viewpoint
-/// confirms nothing.
+// derived: a single viewpoint confirms nothing [m]; a second of scans is not by chance; what misses
+// as often as half as often again as it is seen is gone.
 constexpr double kConfirmTravel_m = 1.0;
-
-// A scan that matches nothing starts a new session only if the keyframe is less certain than this.
-constexpr double kNewSessionSd_m = 0.25;
 constexpr int kNumAmbiguousScans = 10;
 constexpr int kNumContradictedScans = 10;
-// A landmark is dropped when its misses reach this number and exceed this multiple of the keyframes
-// that observed it.
 constexpr int kNumMissesMin = 3;
 constexpr double kMissRatioMax = 1.5;
 

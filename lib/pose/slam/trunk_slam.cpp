@@ -19,32 +19,27 @@ using geometry::between;
 using geometry::compose;
 namespace {
 
-/// Turn after which a keyframe is added [rad]; it changes the view like half a metre of travel.
+// derived: a keyframe for a turn that changes the view like half a metre of travel, and for a
+// motion that has become as uncertain as a landmark's gate bears; none while the robot stands.
+// Without scans they are sparser; they still record the path.
 constexpr double kKeyframeTurn_rad = 0.3;
-
-/// Standard deviation added in quadrature to that of a position fix [m].
-constexpr double kPlacementSdMin_m = 0.02;
-
-/// The whole graph is solved when it has grown by this fraction, so that the cost per keyframe
-/// stays constant.
-constexpr double kSolveGrowth = 0.1;
-
-// A keyframe is also added when the motion since the last one has become this uncertain.
 constexpr double kKeyframeSd_m = 0.05;
 constexpr double kKeyframeSd_rad = 0.02;
-// Min time between keyframes while no motion is measured, and min travel of uncertain keyframes:
-// none are added while the robot stands.
 constexpr std::int64_t kBlindKeyframe_us = 200'000;
 constexpr double kMovingTravel_m = 0.02;
-// Without scans, keyframes are this many times sparser; they still record the path.
 constexpr double kBlindFactor = 3.0;
-// Min growth of the graph for a whole solve [keyframes].
+
+// derived: the whole graph is solved when it has grown by a tenth, so that the cost per keyframe
+// stays constant; two landmarks give a velocity; LOST and AMBIGUOUS are told at the end above a
+// tenth of the drive; scans are put in order within a second.
+constexpr double kSolveGrowth = 0.1;
 constexpr int kSolveKeyframesMin = 20;
-// Min number of matched landmarks that give the velocity while no motion is measured.
 constexpr int kVelocityLandmarks = 2;
-// The warning at the end reports LOST and AMBIGUOUS above 1 / kWorthSaying of the drive.
 constexpr int kWorthSaying = 10;
 constexpr std::int64_t kScanOrder_us = 1'000'000;
+
+// physical: how well a person or a total station marks a place [m].
+constexpr double kPlacementSdMin_m = 0.02;
 
 }  // namespace
 
@@ -209,7 +204,7 @@ double TrunkSlam::end_sd_m() const {
 }
 
 std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::statistics() const {
-  constexpr std::int64_t kSecond_us = 1'000'000;
+  constexpr std::int64_t kSecond_us = 1'000'000;  // physical: of an SI second
   if (map_.empty()) return {};
   return {{"loops_asked", closer_.num_searches()},
           {"loops_closed", num_closures()},

@@ -152,8 +152,8 @@ void PathSmoother::close_gap() {
   const auto reckon = [&](double turned_rad) {
     Eigen::Vector3d pose = first;
     for (std::size_t k = before_gap_ + 1; k < keyframes.size(); ++k) {
-      Eigen::Vector3d delta = keyframes[k].motion.delta_with(
-          graph_.calibrations[static_cast<std::size_t>(keyframes[k].calibration)]);
+      Eigen::Vector3d delta =
+          keyframes[k].motion.delta_with(graph_.calibrations[keyframes[k].calibration]);
       delta.z() += turned_rad * (part(k) - part(k - 1));
       pose = geometry::compose(pose, delta);
       keyframes[k].T_map_base = pose;

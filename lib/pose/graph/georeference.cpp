@@ -209,7 +209,7 @@ double learnt_receiver_variance(const SlamGraph& graph, double claimed,
   for (const Keyframe& k : graph.keyframes) {
     for (const AbsolutePosition& position : k.positions) {
       if (position.receiver_error < 0 || position.is_displaced) continue;
-      MeanDistance& d = distances[static_cast<std::size_t>(position.receiver_error)];
+      MeanDistance& d = distances[position.receiver_error];
       d.sum_m += position.p_map - p_by_path(k, position);
       ++d.num;
     }

@@ -172,7 +172,7 @@ void GraphProblem::place(const Eigen::VectorXd& values) {
 
 ObservationResidual GraphProblem::residual_of(const Observation& observation) const {
   if (residuals_.empty()) return ObservationResidual(*observation.observation);
-  return residuals_[static_cast<std::size_t>(&observation - observations_.data())];
+  return residuals_[&observation - observations_.data()];
 }
 
 double GraphProblem::cost(const Eigen::VectorXd& values, bool robust) {

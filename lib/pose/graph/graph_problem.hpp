@@ -175,7 +175,7 @@ template <class ForEach>
 void GraphProblem::add_observations(const ForEach& for_each) {
   for_each([&](int keyframe, const SlamObservation& o) {
     pose(keyframe);
-    ++landmarks_[static_cast<std::size_t>(landmark(o.landmark))].end;
+    ++landmarks_[landmark(o.landmark)].end;
   });
   std::size_t num = 0;
   for (Landmark& l : landmarks_) {
@@ -185,7 +185,7 @@ void GraphProblem::add_observations(const ForEach& for_each) {
   }
   observations_.resize(num);
   for_each([&](int keyframe, const SlamObservation& o) {
-    Landmark& l = landmarks_[static_cast<std::size_t>(landmark(o.landmark))];
+    Landmark& l = landmarks_[landmark(o.landmark)];
     observations_[l.end++] = {pose(keyframe), &o};
   });
 }

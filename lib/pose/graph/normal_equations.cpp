@@ -193,7 +193,7 @@ void NormalEquations::set_zero() {
 }
 
 const NormalEquations::Below& NormalEquations::find(int a, int b) const {
-  const std::vector<Below>& rows = below_[static_cast<std::size_t>(b)];
+  const std::vector<Below>& rows = below_[b];
   const auto at = std::lower_bound(rows.begin(), rows.end(), a, [](const Below& below, int block) {
     return below.block < block;
   });

@@ -101,7 +101,7 @@ class NormalEquations {
 
   int num_unknowns() const { return first_.back(); }
   /// Returns the index of the first unknown of a block.
-  int first(int block) const { return first_[static_cast<std::size_t>(block)]; }
+  int first(int block) const { return first_[block]; }
   int size(int block) const { return first(block + 1) - first(block); }
   void add_to_diagonal(int unknown, double value) {
     (is_dense_ ? dense_H_(unknown, unknown) : H_.valuePtr()[H_.outerIndexPtr()[unknown]]) += value;

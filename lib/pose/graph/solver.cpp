@@ -137,18 +137,17 @@ class FullGraphProblem : public GraphProblem {
     std::vector<char> is_observed(graph_.landmarks.size(), 0);
     for (const Keyframe& k : graph_.keyframes) {
       for (const AbsolutePosition& p : k.positions) {
-        if (p.receiver_error >= 0) has_fix[static_cast<std::size_t>(p.receiver_error)] = 1;
+        if (p.receiver_error >= 0) has_fix[p.receiver_error] = 1;
       }
       for (const SlamObservation& o : k.observations) {
-        is_observed[static_cast<std::size_t>(o.landmark)] = 1;
+        is_observed[o.landmark] = 1;
       }
     }
     for (std::size_t e = 0; e < has_fix.size(); ++e) {
       if (graph_.georeferenced && has_fix[e] != 0) receiver_error(static_cast<int>(e));
     }
     for (int l = 0; l < static_cast<int>(is_observed.size()); ++l) {
-      if (is_observed[static_cast<std::size_t>(l)] != 0 && is_constrained(graph_.landmarks[l]))
-        landmark(l);
+      if (is_observed[l] != 0 && is_constrained(graph_.landmarks[l])) landmark(l);
     }
     add_observations([&](const auto& visit) {
       for (int k = 0; k < num_keyframes; ++k) {
@@ -237,7 +236,7 @@ class FullGraphProblem : public GraphProblem {
   /// by the equations' unknowns and the covariance of what they do not determine.
   void add_position(int landmark, double sign,
                     Eigen::Matrix<double, Eigen::Dynamic, 2>& by_unknowns, Eigen::Matrix2d& own) {
-    const int at = landmark_at_[static_cast<std::size_t>(landmark)];
+    const int at = landmark_at_[landmark];
     const int column = at == kNone ? kNone : blocks_[landmarks_[at].block].column;
     if (column != kNone) {
       by_unknowns.middleRows<2>(equations_->first(column)) += sign * Eigen::Matrix2d::Identity();

@@ -42,7 +42,7 @@ RelativeMotion joined(const RelativeMotion& a, const RelativeMotion& b) {
 bool is_placed(const SlamGraph& graph, const Keyframe& keyframe) {
   int num = 0;
   for (const SlamObservation& o : keyframe.observations) {
-    num += graph.landmarks[static_cast<std::size_t>(o.landmark)].keyframes.size() >= 2 ? 1 : 0;
+    num += graph.landmarks[o.landmark].keyframes.size() >= 2 ? 1 : 0;
   }
   return num >= kPlacedBy;
 }
@@ -74,7 +74,7 @@ std::vector<int> beginnings(const SlamGraph& graph, const SlamConfig& config) {
 /// observation in `sums`, -1 for none.
 void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_submap_keyframe,
                      std::vector<SlamObservation>& sums, std::vector<int>& at) {
-  int& slot = at[static_cast<std::size_t>(seen.landmark)];
+  int& slot = at[seen.landmark];
   if (slot < 0) {
     slot = static_cast<int>(sums.size());
     SlamObservation fresh;
@@ -82,7 +82,7 @@ void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_subma
     fresh.floor_sd_m = kSubmapRigiditySd_m;
     sums.push_back(fresh);
   }
-  SlamObservation& sum = sums[static_cast<std::size_t>(slot)];
+  SlamObservation& sum = sums[slot];
   const Eigen::Matrix2d R = rotation(T_submap_keyframe.z());
   const Eigen::Matrix2d W = R * seen.covariance().inverse() * R.transpose();
   sum.information += W;
@@ -94,12 +94,12 @@ void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_subma
 void add_relative_poses(const SlamGraph& graph, SubmapGraph& out) {
   for (const RelativePose& r : graph.relative_poses) {
     RelativePose s;
-    s.from = out.submap_of[static_cast<std::size_t>(r.from)];
-    s.to = out.submap_of[static_cast<std::size_t>(r.to)];
+    s.from = out.submap_of[r.from];
+    s.to = out.submap_of[r.to];
     if (s.from == s.to) continue;
     const auto in_submap = [&](int k, int submap) {
-      return between(graph.keyframes[static_cast<std::size_t>(out.keyframes[submap])].T_map_base,
-                     graph.keyframes[static_cast<std::size_t>(k)].T_map_base);
+      return between(graph.keyframes[out.keyframes[submap]].T_map_base,
+                     graph.keyframes[k].T_map_base);
     };
     const Eigen::Vector3d T_s_from = in_submap(r.from, s.from);
     const Eigen::Vector3d T_to_s = geometry::inverse(in_submap(r.to, s.to));
@@ -163,7 +163,7 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
     }
     sums.shrink_to_fit();
     for (const SlamObservation& s : sums) {
-      at[static_cast<std::size_t>(s.landmark)] = -1;
+      at[s.landmark] = -1;
       out.graph.landmarks[s.landmark].keyframes.push_back(static_cast<int>(i));
     }
     out.keyframes.push_back(middle);

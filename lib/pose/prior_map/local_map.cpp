@@ -122,7 +122,7 @@ void LocalTrunkMap::observe(const std::vector<ScanObservation>& observations,
     double nearest_m = kNewTrunkM;
     const int trunk = match(observation, taken, nearest_m);
     if (trunk >= 0) {
-      taken[static_cast<std::size_t>(trunk)] = true;
+      taken[trunk] = true;
       correct(trunk, observation);
       ++num_matched;
       continue;
@@ -135,8 +135,8 @@ void LocalTrunkMap::observe(const std::vector<ScanObservation>& observations,
 
   int num_expected = 0, num_seen = 0;
   for (int i = static_cast<int>(num_before) - 1; i >= 0; --i) {
-    Entry& entry = entries_[static_cast<std::size_t>(i)];
-    const bool seen = taken[static_cast<std::size_t>(i)];
+    Entry& entry = entries_[i];
+    const bool seen = taken[i];
     const Eigen::Vector2d p_base = inverse_transform(T_local_base_, p_local(i));
     const bool expected = field.covers(p_base) && !occlusion.occludes(p_base);
     num_surprises += expected && is_confirmed(entry) && !seen;
@@ -208,8 +208,7 @@ void LocalTrunkMap::correct(int trunk, const ScanObservation& observation) {
   const Eigen::Matrix2d S =
       J * PHt.topRows<3>() - PHt.middleRows<2>(at) + R * observation.covariance * R.transpose();
   const Eigen::MatrixXd K = PHt * S.inverse();
-  entries_[static_cast<std::size_t>(trunk)].excess_m2 +=
-      0.5 * ((p_seen - x_.segment<2>(at)).squaredNorm() - S.trace());
+  entries_[trunk].excess_m2 += 0.5 * ((p_seen - x_.segment<2>(at)).squaredNorm() - S.trace());
   x_ -= K * (p_seen - x_.segment<2>(at));
   x_(2) = geometry::wrap_angle_rad(x_(2));
   P_ -= K * PHt.transpose();
@@ -217,7 +216,7 @@ void LocalTrunkMap::correct(int trunk, const ScanObservation& observation) {
   T_local_base_ = x_.head<3>();
   pose_covariance_ = P_.topLeftCorner<3, 3>();
 
-  Entry& entry = entries_[static_cast<std::size_t>(trunk)];
+  Entry& entry = entries_[trunk];
   ++entry.num_seen;
   entry.last_travel_m = travel_m_;
   if (observation.width_m > 0.0) {
@@ -266,7 +265,7 @@ void LocalTrunkMap::remove(int trunk) {
 
 void LocalTrunkMap::remove_old_trunks() {
   for (int i = static_cast<int>(entries_.size()) - 1; i >= 0; --i) {
-    const Entry& entry = entries_[static_cast<std::size_t>(i)];
+    const Entry& entry = entries_[i];
     const double unseen_m = travel_m_ - entry.last_travel_m;
     if (unseen_m > (is_confirmed(entry) ? config_.window_m : kUnsureTravelM)) remove(i);
   }

@@ -85,28 +85,27 @@ std::vector<PriorLandmark> without_duplicates(const std::vector<PriorLandmark>& 
   std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // index in `merged`, -1: none
   std::vector<PriorLandmark> merged;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(heaviest_first.size()); ++i) {
-    const PriorLandmark& present_hypothesis = map[i];
+    const PriorLandmark& landmark = map[i];
     std::int32_t into = -1;
-    map.near(present_hypothesis.p_map, kOneTrunkM, [&](std::int32_t j) {
-      const bool double_of = j < i && kept[static_cast<std::size_t>(j)] >= 0 &&
-                             (map[j].p_map - present_hypothesis.p_map).norm() < kOneTrunkM;
+    map.near(landmark.p_map, kOneTrunkM, [&](std::int32_t j) {
+      const bool double_of =
+          j < i && kept[j] >= 0 && (map[j].p_map - landmark.p_map).norm() < kOneTrunkM;
       if (double_of && (into < 0 || j < into)) into = j;
     });
     if (into < 0) {
-      kept[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(merged.size());
-      merged.push_back(present_hypothesis);
+      kept[i] = static_cast<std::int32_t>(merged.size());
+      merged.push_back(landmark);
       continue;
     }
-    PriorLandmark& one = merged[static_cast<std::size_t>(kept[static_cast<std::size_t>(into)])];
-    const double fraction =
-        present_hypothesis.weight / std::max(1e-9, one.weight + present_hypothesis.weight);
-    one.p_map += fraction * (present_hypothesis.p_map - one.p_map);
-    if (one.width_m > 0.0 && present_hypothesis.width_m > 0.0) {
-      one.width_m += fraction * (present_hypothesis.width_m - one.width_m);
+    PriorLandmark& one = merged[static_cast<std::size_t>(kept[into])];
+    const double fraction = landmark.weight / std::max(1e-9, one.weight + landmark.weight);
+    one.p_map += fraction * (landmark.p_map - one.p_map);
+    if (one.width_m > 0.0 && landmark.width_m > 0.0) {
+      one.width_m += fraction * (landmark.width_m - one.width_m);
     }
-    one.weight += present_hypothesis.weight;
-    one.sd_m = std::max(one.sd_m, present_hypothesis.sd_m);
-    one.rate = std::max(one.rate, present_hypothesis.rate);
+    one.weight += landmark.weight;
+    one.sd_m = std::max(one.sd_m, landmark.sd_m);
+    one.rate = std::max(one.rate, landmark.rate);
   }
   return merged;
 }
@@ -167,7 +166,7 @@ bool PriorMap::was_in_range(const Eigen::Vector2d& p_map) const {
   if (path_m_.empty()) return true;
   bool is_near = false;
   path_grid_.near(p_map.x(), p_map.y(), reach_m_, [&](std::int32_t i) {
-    is_near = is_near || (path_m_[static_cast<std::size_t>(i)] - p_map).norm() < reach_m_;
+    is_near = is_near || (path_m_[i] - p_map).norm() < reach_m_;
   });
   return is_near;
 }

@@ -55,9 +55,7 @@ class PriorMap {
   PriorMap(PriorMapData earlier, double pair_max_m);
 
   std::size_t size() const { return landmarks_.size(); }
-  const PriorLandmark& operator[](std::int32_t i) const {
-    return landmarks_[static_cast<std::size_t>(i)];
-  }
+  const PriorLandmark& operator[](std::int32_t i) const { return landmarks_[i]; }
 
   /// Calls visit(index) for all landmarks within `radius_m` of the point and some beyond, in an
   /// order that depends on the map only.
@@ -71,7 +69,7 @@ class PriorMap {
   const std::vector<Pair>& pairs() const { return pairs_; }
 
   /// Returns the probability that another visit with a landmark in view detects it again.
-  double repeat(std::int32_t i) const { return repeat_[static_cast<std::size_t>(i)]; }
+  double repeat(std::int32_t i) const { return repeat_[i]; }
 
   /// Returns true if the point was within the laser's range on the earlier drive, or if its path is
   /// unknown.

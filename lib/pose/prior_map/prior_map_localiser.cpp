@@ -24,7 +24,7 @@ namespace {
 // derived: travel between two searches or checks [m], in which a scan shows another tree; and a
 // bound on the cost of a scan. Constellations of fewer trunks repeat in an orchard.
 constexpr double kSearchInterval_m = 1.0;
-constexpr int kTrunksMin = 6;
+constexpr std::size_t kTrunksMin = 6;
 constexpr int kHypothesesPerScan = 400;
 
 // derived: min natural log-odds of a position against all others together (1 in 8,000), and of a
@@ -245,7 +245,7 @@ void PriorMapLocaliser::search() {
   }
   if (!search_) {
     const std::size_t num_trunks = local_.trunks().size();
-    const bool enough = num_trunks >= static_cast<std::size_t>(kTrunksMin);
+    const bool enough = num_trunks >= kTrunksMin;
     const bool due = local_.travel_m() - checked_travel_m_ >= kSearchInterval_m ||
                      num_trunks >= checked_trunks_ + 2;
     if (!enough || !due) return;
@@ -253,7 +253,7 @@ void PriorMapLocaliser::search() {
     checked_travel_m_ = local_.travel_m();
     checked_trunks_ = num_trunks;
     LocalEvidence local = evidence(local_);
-    if (local.trunks.size() < static_cast<std::size_t>(kTrunksMin)) return;
+    if (local.trunks.size() < kTrunksMin) return;
     search_.emplace(map_, config_, std::move(local));
   }
   if (!search_->step(kHypothesesPerScan)) return;
@@ -413,7 +413,7 @@ bool PriorMapLocaliser::has_rival(const SearchResult& result) const {
 
 void PriorMapLocaliser::start_rival_search(const LocalTrunkMap& local) {
   LocalEvidence all = evidence(local);
-  if (search_ || all.trunks.size() < static_cast<std::size_t>(kTrunksMin)) return;
+  if (search_ || all.trunks.size() < kTrunksMin) return;
   held_hypothesis_ = present_hypothesis(HypothesisScorer(map_, config_, all));
   search_.emplace(map_, config_, std::move(all));
 }
@@ -421,11 +421,10 @@ void PriorMapLocaliser::start_rival_search(const LocalTrunkMap& local) {
 void PriorMapLocaliser::check_present_pose(const TreeDetectionMonitor::Count& trees) {
   local_.reset_origin();
   checked_travel_m_ = local_.travel_m();
-  const auto num_enough = static_cast<std::size_t>(kTrunksMin);
   LocalEvidence around = nearby_evidence(local_);
-  if (around.trunks.size() < num_enough) around = evidence(local_);
+  if (around.trunks.size() < kTrunksMin) around = evidence(local_);
   const HypothesisScorer scorer(map_, config_, std::move(around));
-  const bool enough = scorer.evidence().trunks.size() >= num_enough;
+  const bool enough = scorer.evidence().trunks.size() >= kTrunksMin;
   const bool judged = trees.num_trees >= kExpectedTreesMin;
   const bool trees_gone = judged && trees.num_detected < kLostFraction * trees.num_trees;
   const bool trees_there = judged && trees.num_detected >= kDetectedFraction * trees.num_trees;
@@ -433,7 +432,7 @@ void PriorMapLocaliser::check_present_pose(const TreeDetectionMonitor::Count& tr
   if (since_kidnapping_) {
     since_kidnapping_->reset_origin();
     const HypothesisScorer since(map_, config_, nearby_evidence(*since_kidnapping_));
-    if (since.evidence().trunks.size() >= num_enough) {
+    if (since.evidence().trunks.size() >= kTrunksMin) {
       const double score = present_hypothesis(since).score;
       contradicted_since = score < -kLostLogFit;
       if (score > kLostLogFit) since_kidnapping_.reset();

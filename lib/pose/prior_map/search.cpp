@@ -72,7 +72,7 @@ std::optional<PoseHypothesis> HypothesisScorer::fit(const PoseHypothesis& start,
   Eigen::Matrix3d& P = hypothesis.covariance;
   const Eigen::Vector2d* before = nullptr;
   for (const int k : order) {
-    const LocalTrunkMap::Trunk& trunk = evidence_.trunks[static_cast<std::size_t>(k)];
+    const LocalTrunkMap::Trunk& trunk = evidence_.trunks[k];
     const Eigen::Vector2d arm = rotation(T.z()) * trunk.p_local;
     if (before) {
       const double apart_m = (trunk.p_local - *before).norm();
@@ -185,7 +185,7 @@ std::vector<int> HypothesisScorer::order_from(const Eigen::Vector2d& p_local) co
   std::vector<int> order(evidence_.trunks.size());
   std::iota(order.begin(), order.end(), 0);
   const auto distance2 = [&](int i) {
-    return (evidence_.trunks[static_cast<std::size_t>(i)].p_local - p_local).squaredNorm();
+    return (evidence_.trunks[i].p_local - p_local).squaredNorm();
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return distance2(a) < distance2(b); });
@@ -207,9 +207,7 @@ void PriorMapSearch::choose_seeds() {
   const int num = static_cast<int>(std::min(trunks.size(), kSeedTrunks));
   for (int i = 0; i < num; ++i) {
     for (int j = i + 1; j < num; ++j) {
-      const double apart_m = (trunks[static_cast<std::size_t>(i)].p_local -
-                              trunks[static_cast<std::size_t>(j)].p_local)
-                                 .norm();
+      const double apart_m = (trunks[i].p_local - trunks[j].p_local).norm();
       if (apart_m < kPairMinM || apart_m > kHypothesisPairMax_m) continue;
       Seed seed;
       seed.first = i;
@@ -225,13 +223,12 @@ void PriorMapSearch::choose_seeds() {
                    [](const Seed& a, const Seed& b) { return a.end - a.begin < b.end - b.begin; });
   std::vector<int> uses(trunks.size(), 0);
   for (Seed& seed : candidates) {
-    int& first = uses[static_cast<std::size_t>(seed.first)];
-    int& second = uses[static_cast<std::size_t>(seed.second)];
+    int& first = uses[seed.first];
+    int& second = uses[seed.second];
     if (first >= kSeedsPerTrunk || second >= kSeedsPerTrunk) continue;
     ++first;
     ++second;
-    const Eigen::Vector2d middle = 0.5 * (trunks[static_cast<std::size_t>(seed.first)].p_local +
-                                          trunks[static_cast<std::size_t>(seed.second)].p_local);
+    const Eigen::Vector2d middle = 0.5 * (trunks[seed.first].p_local + trunks[seed.second].p_local);
     for (const int k : scorer_.order_from(middle)) {
       if (k != seed.first && k != seed.second) seed.order.push_back(k);
     }
@@ -257,8 +254,8 @@ bool PriorMapSearch::step(int num_hypotheses) {
 
 void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::int32_t second) {
   ++num_hypotheses_;
-  const auto& a = scorer_.evidence().trunks[static_cast<std::size_t>(seed.first)];
-  const auto& b = scorer_.evidence().trunks[static_cast<std::size_t>(seed.second)];
+  const auto& a = scorer_.evidence().trunks[seed.first];
+  const auto& b = scorer_.evidence().trunks[seed.second];
   const Eigen::Vector2d from_local = b.p_local - a.p_local;
   const Eigen::Vector2d from_map = map_[second].p_map - map_[first].p_map;
   const double length_m = from_local.norm();

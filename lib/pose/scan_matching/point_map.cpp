@@ -22,14 +22,14 @@ constexpr int kPointsOfSurfaceMin = 4;
 
 void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
   const auto size = static_cast<std::ptrdiff_t>(points.size());
-  SurfacePoint& point = points[static_cast<std::size_t>(i)];
+  SurfacePoint& point = points[i];
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
   int count = 0;
   const double radius2 = kNormalRadius_m * kNormalRadius_m;
   for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kNeighbours);
        j <= std::min(size - 1, i + kNeighbours); ++j) {
-    const Eigen::Vector2d arm = points[static_cast<std::size_t>(j)].p - point.p;
+    const Eigen::Vector2d arm = points[j].p - point.p;
     if (arm.squaredNorm() > radius2) continue;
     sum += arm;
     squares += arm * arm.transpose();

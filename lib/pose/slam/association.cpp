@@ -91,9 +91,8 @@ class ScanToMapMatcher {
 
   /// Adds a pair to the hypothesis by a Kalman update of its pose.
   void fit(ScanHypothesis& h, int point, int candidate, double distance2) const {
-    const PlacedPoint placed(h, rotation(h.T_map_base.z()),
-                             points_[static_cast<std::size_t>(point)]);
-    const AssociationCandidate& c = candidates_[static_cast<std::size_t>(candidate)];
+    const PlacedPoint placed(h, rotation(h.T_map_base.z()), points_[point]);
+    const AssociationCandidate& c = candidates_[candidate];
     const Eigen::Matrix2d S = placed.innovation_covariance(c);
     const Eigen::Matrix<double, 3, 2> K = h.covariance * placed.H.transpose() * S.inverse();
     h.T_map_base += K * (c.p_map - placed.p_map);
@@ -157,7 +156,7 @@ class ScanToMapMatcher {
         });
         if (known) continue;
         ScanHypothesis h = start;
-        const PlacedPoint placed(start, R, points_[static_cast<std::size_t>(seed.point)]);
+        const PlacedPoint placed(start, R, points_[seed.point]);
         fit(h, seed.point, c, distance2(placed, c));
         complete(h);
         found.push_back(std::move(h));
@@ -171,7 +170,7 @@ class ScanToMapMatcher {
  private:
   double distance2(const PlacedPoint& placed, int candidate) {
     ++num_operations_;
-    return placed.distance2(candidates_[static_cast<std::size_t>(candidate)]);
+    return placed.distance2(candidates_[candidate]);
   }
 
   /// A candidate within the pre-gate of a point.

@@ -82,9 +82,7 @@ class Search {
   }
 
  private:
-  const std::vector<Eigen::Vector2i>& cells(int turn) const {
-    return cells_[static_cast<std::size_t>(turn + num_turns_)];
-  }
+  const std::vector<Eigen::Vector2i>& cells(int turn) const { return cells_[turn + num_turns_]; }
 
   int bound(int turn, int x, int y, int level) {
     num_operations_ += static_cast<std::int64_t>(cells(turn).size());

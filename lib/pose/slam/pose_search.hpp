@@ -38,9 +38,8 @@ class OccupancyPyramid {
   int best(int level, int column, int row) const {
     if (column < 0 || row < 0 || column >= side_ || row >= side_)
       return outside(level, column, row);
-    return levels_[static_cast<std::size_t>(level)]
-                  [static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) +
-                   static_cast<std::size_t>(column)];
+    return levels_[level][static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) +
+                          static_cast<std::size_t>(column)];
   }
 
  private:

@@ -6,14 +6,12 @@
 #include <utility>
 
 #include "geometry/rigid_fit2.hpp"
+#include "mapping/compare/alignment_candidates.hpp"
 
 namespace orchard::evaluation {
 namespace {
 
-constexpr std::size_t kVoters = 400;   ///< number of voting points: those nearest to the centre
-constexpr double kBin_m = 0.5;         ///< of the votes' offsets
-constexpr std::size_t kNumStarts = 5;  ///< number of best votes to refine
-constexpr double kTurnError_m = 0.25;  ///< max displacement of a voter by half a step of rotation
+constexpr std::size_t kNumStarts = 5;  ///< number of best candidates to refine
 
 struct Fit {
   geometry::Pose2 T_truth_map;
@@ -38,10 +36,10 @@ Point middle_of(const std::vector<Point>& points) {
   return middle;
 }
 
-/// The motion that rotates about a point and then translates.
-geometry::Pose2 about(const Point& middle, double yaw_rad, double dx_m, double dy_m) {
-  const Point turned = transform(geometry::Pose2{0.0, 0.0, yaw_rad}, middle);
-  return {middle.x_m - turned.x_m + dx_m, middle.y_m - turned.y_m + dy_m, yaw_rad};
+geometry::IndexedPoints indexed(const std::vector<Point>& points) {
+  std::vector<Eigen::Vector2d> places;
+  for (const Point& p : points) places.push_back(p);
+  return geometry::IndexedPoints(std::move(places));
 }
 
 class Aligner {
@@ -53,46 +51,16 @@ class Aligner {
     });
   }
 
-  std::vector<geometry::Pose2> vote(const AlignmentSearch& search) const {
-    const std::size_t num_voters = std::min(kVoters, found_.size());
-    const double radius_m = std::max(1.0, distance_m(found_[num_voters - 1], middle_));
-    const double step_rad = 2.0 * kTurnError_m / radius_m;
-    const int num_steps = static_cast<int>(std::ceil(search.turn_max_rad / step_rad));
-    std::vector<Point> reached;
-    for (const Point& p : truth_) {
-      if (distance_m(p, middle_) <= radius_m + 1.5 * search.offset_max_m) reached.push_back(p);
-    }
-    const int half = static_cast<int>(std::ceil(search.offset_max_m / kBin_m));
-    const int width = 2 * half + 1;
-    struct Peak {
-      int votes;
-      geometry::Pose2 motion;
-    };
-    std::vector<Peak> peaks;
-    std::vector<int> votes;
-    for (int step = -num_steps; step <= num_steps; ++step) {
-      const double yaw_rad = step * step_rad;
-      votes.assign(static_cast<std::size_t>(width) * width, 0);
-      const geometry::Pose2 turn = about(middle_, yaw_rad, 0.0, 0.0);
-      for (std::size_t i = 0; i < num_voters; ++i) {
-        const Point p = transform(turn, found_[i]);
-        for (const Point& q : reached) {
-          const int column = static_cast<int>(std::floor((q.x_m - p.x_m) / kBin_m + 0.5)) + half;
-          const int row = static_cast<int>(std::floor((q.y_m - p.y_m) / kBin_m + 0.5)) + half;
-          if (column < 0 || column >= width || row < 0 || row >= width) continue;
-          ++votes[static_cast<std::size_t>(row) * width + column];
-        }
-      }
-      const auto best = std::max_element(votes.begin(), votes.end());
-      const int at = static_cast<int>(best - votes.begin());
-      peaks.push_back({*best, about(middle_, yaw_rad, (at % width - half) * kBin_m,
-                                    (at / width - half) * kBin_m)});
-    }
-    std::stable_sort(peaks.begin(), peaks.end(),
-                     [](const Peak& a, const Peak& b) { return a.votes > b.votes; });
+  /// Alignments in which most points pair, those with most first.
+  std::vector<geometry::Pose2> candidates(const AlignmentSearch& search) const {
+    const std::vector<double> alike(std::max(truth_.size(), found_.size()), 0.1);
+    const mapping::AlignmentSearch limits{false, search.offset_max_m, search.turn_max_rad,
+                                          std::max(gate_m_, 0.5)};
+    const mapping::AlignmentCandidates all =
+        mapping::alignment_candidates(indexed(truth_), alike, indexed(found_), alike, limits);
     std::vector<geometry::Pose2> starts;
-    for (std::size_t i = 0; i < std::min(kNumStarts, peaks.size()); ++i) {
-      starts.push_back(peaks[i].motion);
+    for (const mapping::AlignmentCandidate& c : all.candidates) {
+      if (starts.size() < kNumStarts) starts.push_back(c.T_a_b);
     }
     return starts;
   }
@@ -158,7 +126,7 @@ std::optional<geometry::Pose2> align_points(const std::vector<Point>& truth,
   const Aligner aligner(truth, found, gate_m);
   std::vector<geometry::Pose2> starts{geometry::Pose2{}};
   if (guess) starts.push_back(*guess);
-  for (const geometry::Pose2& motion : aligner.vote(search)) starts.push_back(motion);
+  for (const geometry::Pose2& motion : aligner.candidates(search)) starts.push_back(motion);
   Fit best;
   for (const geometry::Pose2& start : starts) {
     const Fit fit = aligner.refine(start);

@@ -11,15 +11,15 @@ namespace orchard::evaluation {
 
 /// Limits of the search for the alignment of a map with the truth.
 struct AlignmentSearch {
-  double offset_max_m = 10.0;  ///< max offset of the map's centre
-  double turn_max_rad = 0.35;  ///< max rotation about its centre
+  double offset_max_m = 10.0;  ///< max displacement of a found point
+  double turn_max_rad = 0.35;
 };
 
 /// Finds T_truth_map with the most found points paired with true ones, one to one within the gate,
-/// and among those with the least squared distances. Correspondences are unknown: all pairs vote
-/// for offsets at every rotation of the search. The best votes, the identity, and `guess` if given,
-/// are refined by alternating assign() and fit_rigid(), from the centre of the map outwards. None
-/// when no points can be paired.
+/// and among those with the least squared distances. Correspondences are unknown: the
+/// best of mapping::alignment_candidates(), the identity, and `guess` if given, are refined by
+/// alternating assign() and fit_rigid(), from the centre of the map outwards. None when no points
+/// can be paired.
 std::optional<geometry::Pose2> align_points(const std::vector<Point>& truth,
                                             const std::vector<Point>& found, double gate_m,
                                             const AlignmentSearch& search,

@@ -2,14 +2,18 @@
 #include "mapping/compare/alignment_candidates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <optional>
+#include <queue>
 #include <tuple>
+#include <utility>
 
 #include "geometry/angles.hpp"
 #include "geometry/rigid_fit2.hpp"
-#include "mapping/compare/alignment_hypothesis.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -32,6 +36,86 @@ constexpr std::size_t kNumPairingsMax = 400 * 600;  ///< limit on the trees of a
 constexpr double kNumTriedLong = 5e5;
 constexpr int kNumAgreeing = 3;
 constexpr int kNumFitsMax = 40;
+
+/// An alignment that lays two points of one map on two of another, and how the points around them
+/// agree.
+struct AlignmentHypothesis {
+  geometry::Pose2 T_a_b;
+  Vector2d middle_a{0.0, 0.0};
+  int num_agreeing = 0;  ///< inliers
+  double sum_m2 = 0.0;
+  double sum_width_m = 0.0;  ///< width differences b - a of the inliers
+  double sum_width_m2 = 0.0;
+
+  double place_m2() const { return sum_m2 / num_agreeing; }
+  double width_m2() const {
+    const double mean_m = sum_width_m / num_agreeing;
+    return sum_width_m2 / num_agreeing - mean_m * mean_m;
+  }
+};
+
+/// Log-likelihood ratio of the inlier support against the null hypothesis. The noise is estimated
+/// from the inliers and, while they are few, shrunk towards that of the null hypothesis.
+double agreement(const AlignmentHypothesis& h, double null_place_m2, double null_width_m2) {
+  constexpr double kNullPoints = 5.0;
+  const double n = h.num_agreeing;
+  const auto gain = [n](double own, double null) {
+    return 0.5 * n * std::log(null * (n + kNullPoints) / (n * own + kNullPoints * null));
+  };
+  return 2.0 * gain(h.place_m2(), null_place_m2) + gain(h.width_m2(), null_width_m2);
+}
+
+/// Order in which hypotheses are refined: alternately by agreement and by number of inliers, each
+/// hypothesis once. A large map has millions, of which only the first are asked for: not sorted.
+class MostPromising {
+ public:
+  explicit MostPromising(const std::vector<AlignmentHypothesis>& hypotheses)
+      : is_taken_(hypotheses.size(), false) {
+    std::vector<double> places_m2, widths_m2;
+    for (const AlignmentHypothesis& h : hypotheses) {
+      places_m2.push_back(h.place_m2());
+      widths_m2.push_back(h.width_m2());
+    }
+    const double place_m2 = std::max(1e-6, geometry::median(std::move(places_m2)));
+    const double width_m2 = std::max(1e-6, geometry::median(std::move(widths_m2)));
+    std::vector<Rank> by_agreement, by_number;
+    for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+      const AlignmentHypothesis& h = hypotheses[i];
+      by_agreement.push_back({agreement(h, place_m2, width_m2), 0.0, i});
+      by_number.push_back({static_cast<double>(h.num_agreeing), -h.sum_m2, i});
+    }
+    queues_[0] = Queue({}, std::move(by_agreement));
+    queues_[1] = Queue({}, std::move(by_number));
+  }
+
+  /// Index of the next hypothesis; none after the last.
+  std::optional<std::size_t> next() {
+    while (!queues_[turn_].empty()) {
+      const std::size_t i = queues_[turn_].top().index;
+      queues_[turn_].pop();
+      turn_ = 1 - turn_;
+      if (is_taken_[i]) continue;
+      is_taken_[i] = true;
+      return i;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Rank {
+    double first = 0.0, second = 0.0;  ///< the larger, the earlier
+    std::size_t index = 0;             ///< of equals the smaller one first
+
+    bool operator<(const Rank& other) const {
+      return std::tie(first, second, other.index) < std::tie(other.first, other.second, index);
+    }
+  };
+  using Queue = std::priority_queue<Rank>;
+
+  std::array<Queue, 2> queues_;
+  std::size_t turn_ = 0;
+  std::vector<bool> is_taken_;
+};
 
 /// Two points of a and the points around them.
 struct Anchor {

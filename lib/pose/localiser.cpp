@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "pose/expected_measurements.hpp"
 #include "pose/filter/fusion.hpp"
+#include "pose/pose_config.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
 #include "pose/slam/trunk_slam.hpp"

@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "pose/measurements.hpp"
+
 namespace orchard::pose {
 
 /// Configuration of the fusion of ODOMETRY, IMU, GNSS and POSE_FIX. Section `pose.fusion`.
@@ -296,5 +298,14 @@ void describe(Visitor& v, PoseConfig& c) {
   v.section("slam", c.slam, "mode slam: SLAM with trunks as landmarks");
   v.expert().section("scan_motion", c.scan_motion, "motion: scans: motion by matching of scans");
 }
+
+/// Returns which kinds of measurement the localiser uses, and how long to wait for each.
+MeasurementWaits expected_measurements(const PoseConfig& config);
+
+/// True if the motion of this mode is that of successive scans alone.
+bool reads_scans(const PoseConfig& config);
+
+/// Returns the configuration with which mode `fused` uses what this mode names, and nothing else.
+PoseConfig as_fused(PoseConfig config);
 
 }  // namespace orchard::pose

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "pose/expected_measurements.hpp"
+#include "pose/pose_config.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {

@@ -8,8 +8,8 @@
 #include <variant>
 
 #include "io/map/prior_map_file.hpp"
-#include "pose/expected_measurements.hpp"
 #include "pose/localiser.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::procs {
 namespace {

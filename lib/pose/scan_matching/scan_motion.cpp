@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/scan_matching/scan_motion.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
 #include "geometry/pose2.hpp"
 #include "pose/motion.hpp"
-#include "pose/scan_matching/scan_matcher.hpp"
+#include "pose/scan_matching/point_map.hpp"
 
 namespace orchard::pose {
 
@@ -14,6 +18,75 @@ using geometry::between;
 using geometry::compose;
 using geometry::rotation;
 namespace {
+
+// derived: pairs within 2 and 2.5 kernels; most scans converge in fewer iterations, which end at a
+// fifth of a millimetre; a pose has three unknowns.
+constexpr double kPairMax_m = 2.0 * kKernel_m;
+constexpr double kPairFine_m = 2.5 * kKernelFine_m;
+constexpr int kIterationsMax = 25;
+constexpr double kDoneShift_m = 2e-4;
+constexpr double kDoneTurn_rad = 2e-5;
+constexpr int kPairsMin = 5;
+
+// derived: budgets of the search. A robot that moved farther between two scans than the configured
+// range, because some were lost, matches nothing there: the range is doubled this many times, each
+// four times as costly. From one turn to the next no point moves by more than the kernel;
+// candidates nearer than three steps converge to the same fit.
+constexpr int kSearchCandidates = 6;
+constexpr int kWiderSearches = 2;
+constexpr double kSearchKernel_m = 0.3;
+constexpr double kSearchShiftStep_m = 0.15;
+constexpr std::size_t kSearchPoints = 120;
+constexpr double kSameTurn_rad = 0.11;
+constexpr double kSameShift_m = 0.45;
+
+std::vector<SurfacePoint> every_nth(const std::vector<SurfacePoint>& points, std::size_t wanted) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / wanted);
+  std::vector<SurfacePoint> some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  return some;
+}
+
+struct Place {
+  Eigen::Vector3d T_map_base;
+  double score = 0.0;
+
+  bool is_near(const Place& other) const {
+    return std::abs(geometry::wrap_angle_rad(T_map_base.z() - other.T_map_base.z())) <
+               kSameTurn_rad &&
+           (T_map_base - other.T_map_base).head<2>().norm() < kSameShift_m;
+  }
+};
+
+/// Returns whether a fit lies within the search range, and as far beyond as it can be drawn. One
+/// farther away has slid along a surface.
+bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre, double shift_m) {
+  return (match.T_map_base - centre).head<2>().norm() <= shift_m + kPairMax_m;
+}
+
+// physical: roughness of surfaces, and what a robot moves between two scans.
+constexpr double kResidualSd_m = 0.02;
+constexpr double kUnknownShiftSd_m = 0.5;
+constexpr double kUnknownTurnSd_rad = 0.3;
+
+// derived: shifted so far, informative points keep a fit of exp(-0.5 * 1.5^2) = 0.32.
+constexpr double kProbeKernels = 1.5;
+
+/// Returns the fraction of points that are informative on a shift along a direction, from the loss
+/// of fit by that shift.
+double telling_fraction(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                        const ScanMatch& match, const Eigen::Vector2d& direction, double kernel_m) {
+  const double shift_m = kProbeKernels * kernel_m;
+  double drop = 0.0;
+  for (const double side : {-1.0, 1.0}) {
+    Eigen::Vector3d moved = match.T_map_base;
+    moved.head<2>() += side * shift_m * direction;
+    drop += 0.5 * (match.score - matcher.score(points, moved, kernel_m));
+  }
+  const double drop_of_telling = 1.0 - std::exp(-0.5 * kProbeKernels * kProbeKernels);
+  return std::clamp((drop / drop_of_telling - kFractionByChance) / (1.0 - kFractionByChance), 0.0,
+                    1.0);
+}
 
 // derived: one return for each square, so that near surfaces, which get most, do not outweigh far
 // ones [m]; drift does not double a wall within this travel [m].
@@ -35,6 +108,212 @@ bool is_sure(const Eigen::Matrix3d& covariance) {
 }
 
 }  // namespace
+
+double ScanMatcher::score(const std::vector<SurfacePoint>& points,
+                          const Eigen::Vector3d& T_map_base, double kernel_m) const {
+  if (points.empty()) return 0.0;
+  const Eigen::Matrix2d R = rotation(T_map_base.z());
+  const double scale = -0.5 / (kernel_m * kernel_m);
+  double sum = 0.0;
+  for (const SurfacePoint& point : points) {
+    double d2 = 0.0;
+    if (map_.nearest(R * point.p + T_map_base.head<2>(), 2.0 * kernel_m, d2)) {
+      sum += std::exp(scale * d2);
+    }
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
+                          ScanMatch& match) const {
+  const double kernel2 = kernel_m * kernel_m;
+  for (int round = 0; round < kIterationsMax; ++round) {
+    const Eigen::Vector3d& T = match.T_map_base;
+    const Eigen::Matrix2d R = rotation(T.z());
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    int pairs = 0;
+    double squares = 0.0, weights = 0.0;
+    for (const SurfacePoint& point : points) {
+      const Eigen::Vector2d arm = R * point.p;
+      const Eigen::Vector2d p = arm + T.head<2>();
+      double d2 = 0.0;
+      const SurfacePoint* partner = map_.nearest(p, pair_m, d2);
+      if (!partner) continue;
+      const Eigen::Vector2d residual = p - partner->p;
+      Eigen::Matrix2d across = Eigen::Matrix2d::Identity();
+      Eigen::Matrix2d metric = across;
+      if (partner->flat) {
+        across = partner->normal * partner->normal.transpose();
+        metric = (1.0 - kAlongFraction) * across + kAlongFraction * Eigen::Matrix2d::Identity();
+      }
+      const double r2 = residual.dot(metric * residual);
+      // Geman-McClure
+      const double fraction = kernel2 / (kernel2 + r2);
+      const double weight = fraction * fraction;
+      const Eigen::Matrix<double, 2, 3> J = geometry::point_jacobian(arm);
+      const Eigen::Matrix<double, 3, 2> Jt = weight * J.transpose();
+      H += Jt * metric * J;
+      information += Jt * across * J;
+      gradient += Jt * metric * residual;
+      squares += weight * r2;
+      weights += weight;
+      ++pairs;
+    }
+    match.matched = static_cast<double>(pairs) / static_cast<double>(points.size());
+    match.information = information;
+    match.weight = weights;
+    match.residual_variance_m2 = weights > 0.0 ? squares / weights : 0.0;
+    if (pairs < kPairsMin) return;
+    H.diagonal() += Eigen::Vector3d(1e-6, 1e-6, 1e-6);
+    const Eigen::Vector3d step = -H.ldlt().solve(gradient);
+    if (!step.allFinite()) return;
+    match.T_map_base += step;
+    if (step.head<2>().norm() < kDoneShift_m && std::abs(step.z()) < kDoneTurn_rad) return;
+  }
+}
+
+ScanMatch ScanMatcher::refined(const std::vector<SurfacePoint>& points,
+                               const Eigen::Vector3d& guess) const {
+  ScanMatch match;
+  match.T_map_base = guess;
+  iterate(points, kPairMax_m, kKernel_m, match);
+  iterate(points, kPairFine_m, kKernelFine_m, match);
+  match.T_map_base.z() = geometry::wrap_angle_rad(match.T_map_base.z());
+  match.score = score(points, match.T_map_base, kScoreKernel_m);
+  return match;
+}
+
+ScanMatch ScanMatcher::unmatched(const std::vector<SurfacePoint>& points,
+                                 const Eigen::Vector3d& T_map_base) const {
+  ScanMatch match;
+  match.T_map_base = T_map_base;
+  match.score = score(points, T_map_base, kScoreKernel_m);
+  return match;
+}
+
+ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
+                                const Eigen::Vector3d& centre, double shift_m,
+                                const ScanMatch& found) const {
+  const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
+  double farthest_m = kSearchKernel_m;
+  for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
+  const LikelihoodField raster(map_, centre.head<2>(), farthest_m + shift_m, kSearchKernel_m);
+  const double turn_step_rad = kSearchKernel_m / farthest_m;
+  const int turns = static_cast<int>(std::ceil(geometry::kPi / turn_step_rad));
+  const int shifts = static_cast<int>(std::ceil(shift_m / kSearchShiftStep_m));
+  std::vector<Place> places;
+  std::vector<Eigen::Vector2d> arms_map(some.size());
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const double yaw_rad = centre.z() + turn * turn_step_rad;
+    const Eigen::Matrix2d R = rotation(yaw_rad);
+    for (std::size_t i = 0; i < some.size(); ++i) arms_map[i] = R * some[i].p;
+    for (int x = -shifts; x <= shifts; ++x) {
+      for (int y = -shifts; y <= shifts; ++y) {
+        const Eigen::Vector2d base_map =
+            centre.head<2>() + kSearchShiftStep_m * Eigen::Vector2d(x, y);
+        places.push_back({{base_map.x(), base_map.y(), yaw_rad}, raster.score(arms_map, base_map)});
+      }
+    }
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.score > b.score; });
+  std::vector<Place> tried;
+  ScanMatch best = found;
+  best.score = score(some, found.T_map_base, kScoreKernel_m);
+  const double score_to_beat = best.score;
+  for (const Place& place : places) {
+    if (static_cast<int>(tried.size()) >= kSearchCandidates) break;
+    if (std::any_of(tried.begin(), tried.end(),
+                    [&place](const Place& other) { return place.is_near(other); })) {
+      continue;
+    }
+    tried.push_back(place);
+    const ScanMatch match = refined(some, place.T_map_base);
+    if (match.score > best.score && is_in_range(match, centre, shift_m)) best = match;
+  }
+  if (best.score <= score_to_beat) return found;
+  best = refined(points, best.T_map_base);
+  return best.score > found.score + kScoreAdvantage && is_in_range(best, centre, shift_m) ? best
+                                                                                          : found;
+}
+
+ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
+                             const std::vector<Eigen::Vector3d>& guesses) const {
+  const Eigen::Vector3d* start = &guesses.front();
+  double best_score = -1.0;
+  for (const Eigen::Vector3d& guess : guesses) {
+    const double fit = score(points, guess, kSearchKernel_m);
+    if (fit > best_score + 0.01) {
+      best_score = fit;
+      start = &guess;
+    }
+  }
+  ScanMatch match = refined(points, *start);
+  double shift_m = config_.search_shift_m;
+  if (!is_in_range(match, *start, shift_m)) match = unmatched(points, guesses.front());
+  if (match.score >= kScoreGood) return match;
+  match = searched(points, guesses.front(), shift_m, match);
+  for (int i = 0; i < kWiderSearches && match.score < kScoreReliable; ++i) {
+    shift_m *= 2.0;
+    const ScanMatch wider = searched(points, guesses.front(), shift_m, match);
+    if (wider.score >= kScoreReliable) match = wider;
+  }
+  return match;
+}
+
+Eigen::Matrix3d unknown_motion() {
+  return Eigen::Vector3d(kUnknownShiftSd_m * kUnknownShiftSd_m,
+                         kUnknownShiftSd_m * kUnknownShiftSd_m,
+                         kUnknownTurnSd_rad * kUnknownTurnSd_rad)
+      .asDiagonal();
+}
+
+Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
+                           const Eigen::Vector3d& T_map_expected) {
+  const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  // The rotation is always taken from the fit, because its prediction may be far off.
+  Eigen::Vector3d place = match.T_map_base;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double untold = axes.eigenvalues()(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
+    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
+    const bool has_slid = std::abs(apart.dot(direction)) > kUnknownShiftSd_m;
+    if (!has_slid || !(untold > kUntoldFraction)) continue;
+    place.head<2>() -= apart.dot(direction) * direction;
+  }
+  return place.allFinite() ? place : match.T_map_base;
+}
+
+Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                              const ScanMatch& match) {
+  const Eigen::Matrix3d nothing = unknown_motion();
+  const double weight = match.weight;
+  if (!(weight > 0.0) || !match.information.allFinite()) return nothing;
+  Eigen::Matrix3d information = match.information;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(match.information.topLeftCorner<2, 2>());
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
+    const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
+    const double fraction = telling_fraction(matcher, points, match, direction, kScoreKernel_m);
+    if (!(claimed > 0.0) || fraction >= claimed) continue;
+    // Scale the information along the direction (and its correlation) by fraction / claimed.
+    Eigen::Matrix3d scale = Eigen::Matrix3d::Identity();
+    scale.topLeftCorner<2, 2>() -=
+        (1.0 - std::sqrt(fraction / claimed)) * direction * direction.transpose();
+    information = scale * information * scale;
+  }
+  const double floor_m2 = kResidualSd_m * kResidualSd_m;
+  const double variance_m2 = kCorrelatedPoints * std::max(match.residual_variance_m2, floor_m2);
+  const Eigen::Matrix3d total =
+      information / variance_m2 + Eigen::Matrix3d(nothing.diagonal().cwiseInverse().asDiagonal());
+  const Eigen::Matrix3d covariance = total.inverse();
+  if (!covariance.allFinite()) return nothing;
+  return 0.5 * (covariance + covariance.transpose());
+}
 
 ScanMotion::ScanMotion(const ScanMotionConfig& config, const laser::LaserConfig& mount,
                        const laser::BlindSector& blind)

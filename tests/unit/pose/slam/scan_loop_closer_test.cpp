@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
-#include "pose/slam/pose_search.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {

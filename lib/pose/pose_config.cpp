@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/expected_measurements.hpp"
+#include "pose/pose_config.hpp"
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ PoseConfig as_fused(PoseConfig config) {
 
 MeasurementWaits expected_measurements(const PoseConfig& config) {
   MeasurementWaits waits_s;
-  const auto expect = [&waits_s](MeasurementKind kind, double wait_s) { waits_s[kind] = wait_s; };
+  const auto expect = [&waits_s](MeasurementKind kind, double wait_s) { waits_s[static_cast<std::size_t>(kind)] = wait_s; };
   switch (config.mode) {
     case PoseMode::kStationary:
       expect(MeasurementKind::kScan, config.reorder_window_s);

@@ -42,7 +42,7 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const PriorM
     case PoseMode::kPriorMap:
       return std::make_unique<PriorMapLocaliser>(config, earlier, laser, blind);
     case PoseMode::kSlam:
-      return std::make_unique<SlamLocaliser>(config, laser, blind, std::move(memory));
+      return std::make_unique<TrunkSlam>(config, laser, blind, std::move(memory));
     case PoseMode::kOdometry:
     case PoseMode::kFixesAndOdometry:
     case PoseMode::kFused:

@@ -203,9 +203,7 @@ struct Result {
 };
 
 Result drive(const World& world, std::uint64_t seed) {
-  pose::SlamConfig config;
-  pose::TrunkSlam slam(config);
-  slam.set_default_noise(0.03, 0.02);
+  pose::TrunkSlam slam{pose::PoseConfig{}};
   Random run(seed, Stream::kOdometryRun);
   const auto errors = simulation::draw_odometry_errors(world.motion, world.wheels, run);
   const simulation::WheelErrorModel memory(seed, world.wheels, world.path.duration_s());

@@ -435,9 +435,9 @@ void LoopCloser::close(SlamMap& map) {
   ambiguous_ = false;
   const std::optional<ClosureQuery> query = this->query(map);
   if (!query) return;
-  ++num_searches_;
+  ++counts_.num_searches;
   const Closure closure = find_closure(*query, config_);
-  num_operations_ += closure.num_operations;
+  counts_.num_operations += closure.num_operations;
   ambiguous_ = closure.ambiguous;
   if (!closure.found) return;
   for (const auto& [recent, old] : closure.matches) {
@@ -450,11 +450,11 @@ void LoopCloser::close(SlamMap& map) {
   if (map.solve(SolveReason::kLoopClosure, fits)) {
     map.session_start = 0;
     map.lost = false;
-    ++num_closures_;
+    ++counts_.num_closures;
     return;
   }
   undo.restore();
-  ++num_refuted_;
+  ++counts_.num_refuted;
 }
 
 void LoopCloser::merge_duplicate_landmarks(SlamMap& map) {

@@ -84,12 +84,7 @@ class LoopCloser {
 
   /// True if the landmarks passed last fit the map in more than one way.
   bool is_ambiguous() const { return ambiguous_; }
-  /// Number of accepted closures, and of those undone after the solve.
-  int num_closures() const { return num_closures_; }
-  int num_refuted() const { return num_refuted_; }
-  /// Number of searches among older landmarks.
-  int num_searches() const { return num_searches_; }
-  std::int64_t num_operations() const { return num_operations_; }
+  const LoopCounts& counts() const { return counts_; }
 
  private:
   std::optional<ClosureQuery> query(const SlamMap& map) const;
@@ -98,10 +93,7 @@ class LoopCloser {
   double last_travel_m_ = 0.0;  ///< travel at the last search
   int num_keyframes_ = 0;       ///< number of keyframes when a closure was last tried
   bool ambiguous_ = false;
-  int num_closures_ = 0;
-  int num_refuted_ = 0;
-  int num_searches_ = 0;
-  std::int64_t num_operations_ = 0;
+  LoopCounts counts_;
 };
 
 }  // namespace orchard::pose

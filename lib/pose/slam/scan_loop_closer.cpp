@@ -478,7 +478,7 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
   }
   all = thinned(all, kPointSpacing_m);
   if (all.size() < kPointsMin) return std::nullopt;
-  ++num_searches_;
+  ++counts_.num_searches;
   std::vector<Eigen::Vector2d> points;
   double farthest_m = 0.0;
   const std::size_t step = 1 + all.size() / kPointsMax;
@@ -502,7 +502,7 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
                                     kSearchTurnMin_rad, kSearchTurnMax_rad);
   const PoseSearchResult place =
       find_submap_pose(points, raster, window, kSame_m, kSame_rad, kScanClosureLead);
-  num_operations_ += place.num_operations;
+  counts_.num_operations += place.num_operations;
   if (!place.found || place.on_known < kScanClosureKnownMin * static_cast<double>(points.size()) ||
       place.score < kScanClosureScoreMin * place.on_known) {
     return std::nullopt;
@@ -529,7 +529,7 @@ bool ScanLoopCloser::observe(SlamMap& map) {
   if (is_large && num_keyframes < solved_keyframes_ * (1.0 + kScanSolveGrowth)) return false;
   if (!is_large) {
     map.graph.relative_poses.push_back(*found);
-    ++num_closures_;
+    ++counts_.num_closures;
     return true;
   }
   solved_keyframes_ = num_keyframes;
@@ -538,11 +538,11 @@ bool ScanLoopCloser::observe(SlamMap& map) {
   if (map.solve(SolveReason::kLoopClosure) &&
       distance2(*found, map.graph, found->covariance) <= kRefuted2) {
     map.session_start = 0;
-    ++num_closures_;
+    ++counts_.num_closures;
     return true;
   }
   undo.restore();
-  ++num_refuted_;
+  ++counts_.num_refuted;
   return false;
 }
 
@@ -553,7 +553,7 @@ bool ScanLoopCloser::drop_contradicted(SlamMap& map) {
   };
   const auto end = std::remove_if(all.begin(), all.end(), is_contradicted);
   const bool any = end != all.end();
-  num_refuted_ += static_cast<int>(std::distance(end, all.end()));
+  counts_.num_refuted += static_cast<int>(std::distance(end, all.end()));
   all.erase(end, all.end());
   return any;
 }

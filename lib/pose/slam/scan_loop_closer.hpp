@@ -147,10 +147,7 @@ class ScanLoopCloser {
   bool drop_contradicted(SlamMap& map);
 
   bool is_ambiguous() const { return ambiguous_; }
-  int num_searches() const { return num_searches_; }
-  int num_closures() const { return num_closures_; }
-  int num_refuted() const { return num_refuted_; }
-  std::int64_t num_operations() const { return num_operations_; }
+  const LoopCounts& counts() const { return counts_; }
 
  private:
   std::optional<RelativePose> find(const SlamMap& map);
@@ -169,10 +166,7 @@ class ScanLoopCloser {
   double asked_m_ = 0.0;      ///< travel at the last search
   int solved_keyframes_ = 0;  ///< number of keyframes when the graph was last solved for a closure
   bool ambiguous_ = false;
-  int num_searches_ = 0;
-  int num_closures_ = 0;
-  int num_refuted_ = 0;
-  std::int64_t num_operations_ = 0;
+  LoopCounts counts_;
 };
 
 }  // namespace orchard::pose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -27,6 +28,15 @@ inline constexpr double kRecentTravel_ranges = 2.0;
 /// the session, `range_m` the sight range, `radius_m` the search radius about the robot.
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
                            int session_start, double range_m, double radius_m);
+
+/// What a loop closer has done: searches among older landmarks or scans, accepted closures, those
+/// undone after the solve, and a measure of cost without a clock.
+struct LoopCounts {
+  int num_searches = 0;
+  int num_closures = 0;
+  int num_refuted = 0;
+  std::int64_t num_operations = 0;
+};
 
 /// Reason for a solve of the whole graph.
 enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kDuplicatesAtEnd };

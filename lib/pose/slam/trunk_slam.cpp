@@ -43,17 +43,41 @@ constexpr double kPlacementSdMin_m = 0.02;
 
 }  // namespace
 
-TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,
-                     const laser::LaserConfig& mount, std::shared_ptr<ChunkAllocator> memory)
-    : config_(config),
-      motion_(config),
-      map_(config, memory),
-      tracker_(config),
-      closer_(config),
-      scan_loop_closer_(scans, mount, std::move(memory)) {}
+TrunkSlam::TrunkSlam(const PoseConfig& config, const laser::LaserConfig& mount,
+                     const laser::BlindSector& blind, std::shared_ptr<ChunkAllocator> memory)
+    : pose_config_(config),
+      config_(config.slam),
+      mount_(mount),
+      blind_(blind),
+      gnss_(config.gnss),
+      motion_(config_),
+      map_(config_, memory),
+      tracker_(config_),
+      closer_(config_),
+      scan_loop_closer_(config.scan_motion, mount, std::move(memory)) {
+  if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
+  motion_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
+}
 
-void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
-  motion_.set_default_noise(speed_sd_fraction, yaw_rate_sd_radps);
+void TrunkSlam::add(const Measurement& measurement) {
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
+    if (scan_motion_) return;
+    motion_.add(*odometry);
+    add_blind_keyframe();
+  } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
+    scan_ = *scan;
+    if (!scan_motion_) return;
+    if (const auto motion = scan_motion_->add(*scan)) {
+      motion_.add(motion->utime_to, motion->T_from_to, motion->covariance);
+      add_blind_keyframe();
+    }
+  } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {
+    add(*seen);
+  } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {
+    if (config_.use_fixes) add(*fix);
+  } else if (const auto* gnss = std::get_if<Gnss>(&measurement)) {
+    if (config_.use_gnss) add(*gnss);
+  }
 }
 
 /// Returns the covariance of the motion since the keyframe, including that of the odometry
@@ -63,17 +87,6 @@ Eigen::Matrix3d TrunkSlam::motion_covariance() const {
   const int interval = static_cast<int>(map_.graph.calibrations.size()) - 1;
   return m.covariance + m.calibration_jacobian * map_.calibration_at(interval).covariance *
                             m.calibration_jacobian.transpose();
-}
-
-void TrunkSlam::add(const Odometry& odometry) {
-  motion_.add(odometry);
-  add_blind_keyframe();
-}
-
-void TrunkSlam::add_motion(std::int64_t utime, const Eigen::Vector3d& T_before_now,
-                           const Eigen::Matrix3d& covariance) {
-  motion_.add(utime, T_before_now, covariance);
-  add_blind_keyframe();
 }
 
 void TrunkSlam::add_blind_keyframe() {
@@ -111,7 +124,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
          (unsure && (m.travel_m > kMovingTravel_m || blind));
 }
 
-void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
+void TrunkSlam::add(const detection::Detections& seen) {
   if (motion_.started() && seen.utime < motion_.utime() &&
       motion_.utime() - seen.utime > kScanOrder_us) {
     return;  // far too old; the caller's queue normally excludes this
@@ -119,8 +132,11 @@ void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
   motion_.advance_to(seen.utime);
   const bool added = map_.empty() || wants_keyframe(1.0);
   if (added) add_keyframe();
-  const bool has_scan = added && scan;
-  if (has_scan) scan_loop_closer_.keep(scan(velocity()), map_);
+  const bool has_scan = added && scan_ && scan_->utime == seen.utime;
+  if (has_scan) {
+    scan_loop_closer_.keep(
+        surface_points(*scan_, mount_, blind_, velocity(), pose_config_.scan_motion), map_);
+  }
   const OdometryCalibration& c = map_.newest_calibration();
   const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(),
                               (1.0 + c[0]) * motion_.speed_mps(),
@@ -206,7 +222,7 @@ double TrunkSlam::end_sd_m() const {
 std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::statistics() const {
   constexpr std::int64_t kSecond_us = 1'000'000;  // physical: of an SI second
   if (map_.empty()) return {};
-  return {{"loops_asked", closer_.num_searches()},
+  return {{"loops_asked", closer_.counts().num_searches},
           {"loops_closed", num_closures()},
           {"loops_refused", num_refuted_closures()},
           {"lost_s", lost_us_ / kSecond_us},
@@ -223,6 +239,7 @@ void TrunkSlam::finish() {
   map_.solve(SolveReason::kEndOfDrive);
   closer_.merge_duplicate_landmarks(map_);
   if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
+  at_end_ = {rejected_fixes_text(rejected_fixes(map_.graph)), receiver_text(map_.graph)};
 }
 
 std::optional<PoseEstimate> TrunkSlam::estimate() const {
@@ -249,7 +266,7 @@ std::optional<Trajectory> TrunkSlam::take_correction() {
   return trajectory;
 }
 
-std::string TrunkSlam::warning() const {
+std::string TrunkSlam::problem() const {
   if (map_.empty()) return {};
   if (motion_.time_since_motion_s() > config_.gap_s) {
     return "no motion measured for " +
@@ -281,49 +298,8 @@ std::string TrunkSlam::warning() const {
   return {};
 }
 
-SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
-                             const laser::BlindSector& blind,
-                             std::shared_ptr<ChunkAllocator> memory)
-    : config_(config),
-      mount_(mount),
-      blind_(blind),
-      gnss_(config.gnss),
-      slam_(config.slam, config.scan_motion, mount, std::move(memory)) {
-  if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
-  slam_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
-}
-
-void SlamLocaliser::add(const Measurement& measurement) {
-  if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
-    if (!scan_motion_) slam_.add(*odometry);
-  } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
-    scan_ = *scan;
-    if (!scan_motion_) return;
-    if (const auto motion = scan_motion_->add(*scan)) {
-      slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
-    }
-  } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {
-    TrunkSlam::ScanSource source;
-    if (scan_ && scan_->utime == seen->utime) {
-      source = [this](const Eigen::Vector3d& velocity) {
-        return surface_points(*scan_, mount_, blind_, velocity, config_.scan_motion);
-      };
-    }
-    slam_.add(*seen, source);
-  } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {
-    if (config_.slam.use_fixes) add(*fix);
-  } else if (const auto* gnss = std::get_if<Gnss>(&measurement)) {
-    if (config_.slam.use_gnss) add(*gnss);
-  }
-}
-
-void SlamLocaliser::finish() {
-  slam_.finish();
-  at_end_ = {rejected_fixes_text(rejected_fixes(slam_.graph())), receiver_text(slam_.graph())};
-}
-
-std::string SlamLocaliser::warning() const {
-  std::string all = slam_.warning();
+std::string TrunkSlam::warning() const {
+  std::string all = problem();
   for (const std::string& text : at_end_) {
     if (!all.empty() && !text.empty()) all += "; ";
     all += text;
@@ -331,30 +307,30 @@ std::string SlamLocaliser::warning() const {
   return all;
 }
 
-void SlamLocaliser::add(const PoseFix& fix) {
+void TrunkSlam::add(const PoseFix& fix) {
   AbsolutePosition position;
   position.p_map = {fix.x_m, fix.y_m};
   position.covariance << fix.covariance[0], fix.covariance[1], fix.covariance[1], fix.covariance[3];
   if (fix.covariance[0] <= 0.0 || fix.covariance[3] <= 0.0) {
-    position.covariance =
-        config_.fix_position_sd_m * config_.fix_position_sd_m * Eigen::Matrix2d::Identity();
+    position.covariance = pose_config_.fix_position_sd_m * pose_config_.fix_position_sd_m *
+                          Eigen::Matrix2d::Identity();
   }
   position.has_yaw = fix.has_yaw;
   position.yaw_rad = fix.yaw_rad;
   position.yaw_sd_rad =
-      fix.covariance[5] > 0.0 ? std::sqrt(fix.covariance[5]) : config_.fix_yaw_sd_rad;
-  slam_.add_position(fix.utime, position);
+      fix.covariance[5] > 0.0 ? std::sqrt(fix.covariance[5]) : pose_config_.fix_yaw_sd_rad;
+  add_position(fix.utime, position);
 }
 
-void SlamLocaliser::add(const Gnss& gnss) {
+void TrunkSlam::add(const Gnss& gnss) {
   const std::optional<GnssPosition> gnss_position = gnss_.add(gnss);
   if (!gnss_position) return;
   AbsolutePosition position;
-  position.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  position.lever_base_m = {pose_config_.gnss.antenna_m[0], pose_config_.gnss.antenna_m[1]};
   position.p_map = gnss_position->p_enu_m;
   position.covariance = gnss_position->covariance;
   position.is_gnss = true;
-  slam_.add_position(gnss.utime, position);
+  add_position(gnss.utime, position);
 }
 
 }  // namespace orchard::pose

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,60 +23,56 @@
 
 namespace orchard::pose {
 
-/// Graph SLAM with keyframes and trunk landmarks: estimates T_map_base from relative motion and
-/// observed trunks without identities, without a prior map.
+/// Localiser of pose.mode slam: graph SLAM with keyframes and trunk landmarks. Estimates T_map_base
+/// from relative motion and observed trunks without identities, without a prior map, and without
+/// fixes unless use_fixes or use_gnss of pose.slam is set. The motion between scans comes from the
+/// wheels, or from scan matching with `motion: scans`.
 ///
 /// Dead reckoning adds keyframes to the map. The tracker matches every scan to the landmarks around
 /// the robot and corrects the last keyframes. All keyframes are corrected at loop closures, when
 /// the graph has grown, and at the end of the drive. Measurements must come in order of time; the
 /// result is a pure function of their sequence.
-class TrunkSlam {
+class TrunkSlam : public Localiser {
  public:
   /// `memory` stores old observations (null: the heap) and does not affect the results.
-  explicit TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans = {},
-                     const laser::LaserConfig& mount = {},
+  explicit TrunkSlam(const PoseConfig& config, const laser::LaserConfig& mount = {},
+                     const laser::BlindSector& blind = {},
                      std::shared_ptr<ChunkAllocator> memory = nullptr);
 
-  /// Sets the noise of odometry without covariance.
-  void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
-
-  void add(const Odometry& odometry);
-  /// Adds the measured motion T_before_now from the last measured time to `utime`, if there is no
-  /// wheel odometry.
-  void add_motion(std::int64_t utime, const Eigen::Vector3d& T_before_now,
-                  const Eigen::Matrix3d& covariance);
-  /// Function that computes the valid returns [m, base] of the detections' scan on demand, given
-  /// base's velocity (x [m/s], y [m/s], yaw [rad/s], in base) for deskewing.
-  using ScanSource = std::function<std::vector<SurfacePoint>(const Eigen::Vector3d& velocity)>;
-  void add(const detection::Detections& seen, const ScanSource& scan = {});
+  void add(const Measurement& measurement) override;
   /// Adds an absolute position in map of base, or of a point on it; sets its utime and
   /// T_keyframe_then. Until such positions have georeferenced the map, its origin is the first
   /// pose. Ignored if not finite or without a valid covariance.
   void add_position(std::int64_t utime, AbsolutePosition position);
 
   /// Ends the drive and computes the final, best correction.
-  void finish();
+  void finish() override;
 
-  std::optional<PoseEstimate> estimate() const;
-  std::optional<Trajectory> take_correction();
-  std::string warning() const;
+  std::optional<PoseEstimate> estimate() const override;
+  std::optional<Trajectory> take_correction() override;
+  std::string warning() const override;
   /// Returns statistics: loop searches, closures and undone closures; seconds LOST and AMBIGUOUS;
   /// the standard deviation of the newest position [mm].
-  std::vector<std::pair<std::string, std::int64_t>> statistics() const;
+  std::vector<std::pair<std::string, std::int64_t>> statistics() const override;
 
   const SlamGraph& graph() const { return map_.graph; }
   /// Number of accepted loop closures, and of those undone because the observations contradicted
   /// them after the solve.
-  int num_closures() const { return closer_.num_closures() + scan_loop_closer_.num_closures(); }
+  int num_closures() const {
+    return closer_.counts().num_closures + scan_loop_closer_.counts().num_closures;
+  }
   int num_refuted_closures() const {
-    return closer_.num_refuted() + scan_loop_closer_.num_refuted();
+    return closer_.counts().num_refuted + scan_loop_closer_.counts().num_refuted;
   }
   /// Work done so far, in pairs tried and keyframes solved: a measure of cost without a clock.
   std::int64_t num_operations() const {
-    return tracker_.num_operations() + closer_.num_operations();
+    return tracker_.num_operations() + closer_.counts().num_operations;
   }
 
  private:
+  void add(const detection::Detections& seen);
+  void add(const PoseFix& fix);
+  void add(const Gnss& gnss);
   Eigen::Matrix3d motion_covariance() const;
   bool wants_keyframe(double factor) const;
   Eigen::Vector3d velocity() const { return {motion_.speed_mps(), 0.0, motion_.yaw_rate_radps()}; }
@@ -86,8 +81,15 @@ class TrunkSlam {
   void correct();
   void watch(std::int64_t utime);
   double end_sd_m() const;
+  std::string problem() const;
 
+  PoseConfig pose_config_;
   SlamConfig config_;
+  laser::LaserConfig mount_;
+  laser::BlindSector blind_;
+  GnssPositions gnss_;
+  std::optional<laser::Scan> scan_;  ///< newest scan
+  std::optional<ScanMotion> scan_motion_;
   DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamMap map_;
   SlamTracker tracker_;
@@ -99,37 +101,6 @@ class TrunkSlam {
   std::int64_t lost_us_ = 0;
   std::int64_t ambiguous_us_ = 0;
   bool finished_ = false;
-};
-
-/// Localiser of pose.mode slam: graph SLAM with trunks, without a prior map, and without fixes
-/// unless use_fixes or use_gnss of pose.slam is set. The motion between scans comes from the
-/// wheels, or from scan matching with `motion: scans`.
-class SlamLocaliser : public Localiser {
- public:
-  explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
-                         const laser::BlindSector& blind = {},
-                         std::shared_ptr<ChunkAllocator> memory = nullptr);
-
-  void add(const Measurement& measurement) override;
-  std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }
-  std::optional<Trajectory> take_correction() override { return slam_.take_correction(); }
-  void finish() override;
-  std::string warning() const override;
-  std::vector<std::pair<std::string, std::int64_t>> statistics() const override {
-    return slam_.statistics();
-  }
-
- private:
-  void add(const PoseFix& fix);
-  void add(const Gnss& gnss);
-
-  PoseConfig config_;
-  laser::LaserConfig mount_;
-  laser::BlindSector blind_;
-  GnssPositions gnss_;
-  std::optional<laser::Scan> scan_;  ///< newest scan
-  std::optional<ScanMotion> scan_motion_;
-  TrunkSlam slam_;
   std::vector<std::string> at_end_;  ///< what the fixes showed, for warning(); set by finish()
 };
 

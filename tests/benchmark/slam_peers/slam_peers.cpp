@@ -54,7 +54,7 @@ void write_drive(const bench::RecordedDrive& drive, const std::string& folder) {
 /// Runs our own SLAM through the drive; prints its processor time [s] alone.
 void run_ours(const bench::RecordedDrive& drive, const std::string& folder) {
   std::vector<Point> path;
-  pose::TrunkSlam slam{pose::SlamConfig{}};
+  pose::TrunkSlam slam{pose::PoseConfig{}};
   const std::clock_t began = std::clock();
   for (std::size_t i = 0; i < drive.steps.size(); ++i) {
     for (const pose::Odometry& odometry : drive.odometry[i]) slam.add(odometry);

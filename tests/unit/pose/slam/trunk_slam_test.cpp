@@ -63,8 +63,8 @@ struct Drive {
   }
 };
 
-Drive drive(const SlamWorld& world, std::uint64_t seed, const SlamConfig& config = {}) {
-  TrunkSlam slam(config);
+Drive drive(const SlamWorld& world, std::uint64_t seed) {
+  TrunkSlam slam{PoseConfig{}};
   Drive d;
   std::optional<Eigen::Vector3d> start;
   std::optional<PoseEstimate> live;
@@ -217,12 +217,12 @@ TEST(TrunkSlam, ARefutedLoopClosureLeavesNoTrace) {
   // By such odds, and kernels of 0.8 m, the trees of the other rows pass for the known ones. The
   // observations, good to centimetres, refute that as soon as everything is solved; what follows
   // must be, to the last bit, the drive in which no closure was ever tried.
-  SlamConfig eager;
-  eager.closure_margin = -20.0;
-  eager.closure_kernel_m = 0.8;
-  eager.closure_sd_m = 0.3;
-  SlamConfig never = eager;
-  never.closure_margin = 1e9;
+  PoseConfig eager;
+  eager.slam.closure_margin = -20.0;
+  eager.slam.closure_kernel_m = 0.8;
+  eager.slam.closure_sd_m = 0.3;
+  PoseConfig never = eager;
+  never.slam.closure_margin = 1e9;
   SlamWorld world = two_islands(2);
   world.yaw_rate_sd_radps = 0.06;
   TrunkSlam tried(eager);
@@ -264,7 +264,7 @@ TEST(TrunkSlam, AScanCostsTheSameAfterThreeLapsAsInTheFirst) {
 
 TEST(TrunkSlam, AbsolutePositionsGeoreferenceTheMapAndKeepItThere) {
   SlamWorld world = SlamWorld::block(9, 3, 10, 1);
-  TrunkSlam slam{SlamConfig{}};
+  TrunkSlam slam{PoseConfig{}};
   simulation::Random noise(9);
   const Eigen::Vector2d lever(0.3, -0.2);
   int num_scans = 0;
@@ -301,7 +301,7 @@ TEST(TrunkSlam, AbsolutePositionsGeoreferenceTheMapAndKeepItThere) {
 }
 
 TEST(TrunkSlam, NothingAtAllIsNoPose) {
-  TrunkSlam slam{SlamConfig{}};
+  TrunkSlam slam{PoseConfig{}};
   EXPECT_FALSE(slam.estimate());
   slam.finish();
   EXPECT_FALSE(slam.take_correction());

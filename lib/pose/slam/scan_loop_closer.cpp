@@ -172,7 +172,7 @@ constexpr double kSearchTurnMax_rad = 0.7;
 
 // derived: cells above the roughness, and squares with one point each, so that walls and hedges
 // count by their length [m]; budgets of points.
-constexpr double kCell_m = 0.2;
+constexpr double kRasterCell_m = 0.2;
 constexpr double kPointSpacing_m = 0.3;
 constexpr std::size_t kPointsMin = 60;
 constexpr std::size_t kPointsMax = 400;
@@ -488,7 +488,7 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
   }
   const double kernel_m =
       std::hypot(kScanRoughness_m, mount_.range_sd_at(0.5 * config_.range_max_m));
-  OccupancyPyramid raster(now.T_map_base.head<2>(), window_m + farthest_m, kCell_m, kernel_m);
+  OccupancyPyramid raster(now.T_map_base.head<2>(), window_m + farthest_m, kRasterCell_m, kernel_m);
   for (const int k : old) {
     const Eigen::Vector3d& T = keyframes[k].T_map_base;
     const Eigen::Vector2d laser = geometry::transform(T, {mount_.mount_x_m, mount_.mount_y_m});

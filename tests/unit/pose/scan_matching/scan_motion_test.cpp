@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/scan_matching/scan_motion.hpp"
-#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "geometry/pose2.hpp"
 #include "unit/pose/scan_matching/cast_world.hpp"
 
 namespace orchard::pose {

@@ -49,9 +49,9 @@ for main in procs/*/main.cpp; do
 done | violations "main.cpp of a process has at most 60 lines"
 
 # 5. licence line first
-for file in $(sources lib procs tests); do
-  head -n 1 "$file" | grep -q '^// SPDX-License-Identifier: BSD-3-Clause$' || echo "$file"
-done | violations "every source file starts with its licence line"
+comm -13 <(sources lib procs tests | xargs -r awk '$0 == "// SPDX-License-Identifier: BSD-3-Clause" { print FILENAME }
+  { nextfile }' | sort) <(sources lib procs tests) |
+  violations "every source file starts with its licence line"
 
 # 6. nothing of one machine
 find . \( -path ./.git -o -path './build*' -o -path ./out -o -path ./tests/data \) -prune -o -type f -print0 |
@@ -60,10 +60,8 @@ find . \( -path ./.git -o -path './build*' -o -path ./out -o -path ./tests/data 
   violations "no absolute path of one machine"
 
 # 7. files that can be read in one sitting
-for file in $(sources lib procs tests); do
-  lines=$(wc -l <"$file")
-  [ "$lines" -le 600 ] || echo "$file: $lines lines"
-done | violations "no source file over 600 lines"
+sources lib procs tests | xargs -r wc -l | awk '$2 != "total" && $1 > 600 { print $2 ": " $1 " lines" }' |
+  violations "no source file over 600 lines"
 
 # 8. heavy headers stay out of headers
 find lib procs -name '*.hpp' | sort |

@@ -198,7 +198,7 @@ class Lab:
         arguments = list(maps)
         for drive in drives:
             arguments += ["--observations", drive / "looks.csv", "--truth", drive / "truth.csv"]
-        return json.loads(self.run("evaluate_detections", *arguments, "--json"))
+        return json.loads(self.run("evaluate_detections", *arguments))
 
 
 # figures

@@ -18,23 +18,15 @@ struct Sums {
   double width2 = 0.0, along2 = 0.0, across2 = 0.0;
 };
 
-/// `hidden` of the trunk's width, from its left side on, stands behind a wall.
 void row(const std::string& name, const Scanner& scanner, double diameter_m, double range_m,
-         double hidden, int num_seeds, int first_seed) {
+         int num_seeds, int first_seed) {
   Sums angle, circle;
   for (int seed = first_seed; seed < first_seed + num_seeds; ++seed) {
     Noise noise(static_cast<std::uint64_t>(seed));
     const double bearing_rad = 2.0 * (noise.uniform() - 0.5);
     const double radius_m = 0.5 * diameter_m, centre_m = range_m + radius_m;
     const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
-    Things things{{{centre_m * c, centre_m * s, radius_m}}, {}};
-    if (hidden > 0.0) {
-      const double half_rad = std::asin(radius_m / centre_m);
-      const double from_rad = bearing_rad + half_rad * (1.0 - 2.0 * hidden);
-      const double near_m = 0.6 * range_m, to_rad = bearing_rad + half_rad + 0.2;
-      things.walls.push_back({near_m * std::cos(from_rad), near_m * std::sin(from_rad),
-                              near_m * std::cos(to_rad), near_m * std::sin(to_rad)});
-    }
+    const Things things{{{centre_m * c, centre_m * s, radius_m}}, {}};
     SegmentationConfig config;
     config.range_max_m = 30.0;
     config.min_beams_circle = 3;
@@ -70,7 +62,6 @@ void row(const std::string& name, const Scanner& scanner, double diameter_m, dou
   orchard::trials::print_json({{"scanner", name},
                                {"diameter_m", diameter_m},
                                {"range_m", range_m},
-                               {"hidden", hidden},
                                {"angle_width_mm", rms_mm(angle.width2, angle.n)},
                                {"angle_across_mm", rms_mm(angle.across2, angle.n)},
                                {"circle_width_mm", rms_mm(circle.width2, circle.n)},
@@ -89,12 +80,10 @@ int main(int argc, char** argv) {
     const char* name;
     Scanner scanner;
   } kScanners[] = {{"urg", urg()}, {"field", field_scanner()}, {"vlp16", vlp16_slice()}};
-  for (const double hidden : {0.0, 0.3, 0.5, 0.7}) {
-    for (const auto& k : kScanners) {
-      for (const double diameter_m : {0.090, 0.125, 0.230}) {
-        for (const double range_m : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
-          row(k.name, k.scanner, diameter_m, range_m, hidden, num_seeds, first_seed);
-        }
+  for (const auto& k : kScanners) {
+    for (const double diameter_m : {0.090, 0.125, 0.230}) {
+      for (const double range_m : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
+        row(k.name, k.scanner, diameter_m, range_m, num_seeds, first_seed);
       }
     }
   }

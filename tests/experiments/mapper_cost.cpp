@@ -5,7 +5,6 @@
 // per hour and per kilometre, the size of the journal, how long a commit holds it up at most, and
 // how long one that is started again after a kill takes to be where this one was.
 //   mapper_cost LOG DERIVED CONFIG OUT
-#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
+#include "experiments/json_line.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_series.hpp"
 #include "io/map/map_csv.hpp"
@@ -58,7 +58,7 @@ double processor_s() {
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    fmt::print(stderr, "usage: mapper_cost LOG DERIVED CONFIG OUT\n");
+    std::fprintf(stderr, "usage: mapper_cost LOG DERIVED CONFIG OUT\n");
     return 2;
   }
   const orchard::io::Config config = orchard::io::load_config(argv[3]);
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   std::vector<Memory> course;
   double hours = 0.0, km = 0.0;
   std::string table;
-  double longest_commit_s = 0.0;
+  double longest_commit_s = 0.0, processor_of_drive_s = 0.0;
   {
     orchard::io::MapFolderLock place(folder);
     orchard::procs::JournaledMapper mapper(config, 1, place);
@@ -111,41 +111,34 @@ int main(int argc, char** argv) {
     }
     course.push_back(memory());
     hours = 1e-6 * static_cast<double>(last_utime - first_utime) / 3600.0;
-    fmt::print("{} messages of {:.2f} h and {:.2f} km in {:.1f} s of processor time\n", num, hours,
-               km, processor_s() - begun_s);
+    processor_of_drive_s = processor_s() - begun_s;
     mapper.commit();
     table = orchard::io::map_csv(mapper.mapper().landmarks());
   }
-  fmt::print("memory by tenths of the drive, own and with files (MB):");
-  for (int i = 0; i <= 10; ++i) {
-    const Memory& m = course[static_cast<std::size_t>(i) * (course.size() - 1) / 10];
-    fmt::print(" {:.0f}/{:.0f}", m.own_mb, m.with_files_mb);
-  }
   const std::size_t from = (course.size() - 1) / 10;
   const double part = 1.0 - static_cast<double>(from) / static_cast<double>(course.size() - 1);
-  const double own_mb = course.back().own_mb - course[from].own_mb;
-  const double all_mb = course.back().with_files_mb - course[from].with_files_mb;
-  fmt::print(
-      "\nmemory beyond the first tenth: {:.1f} MB per hour, {:.1f} MB per km (with files {:.1f} MB "
-      "per hour)\n",
-      own_mb / (part * hours), own_mb / (part * km), all_mb / (part * hours));
   using orchard::procs::JournaledMapper;
   const double journal_mb =
       1e-6 *
       static_cast<double>(std::filesystem::file_size(folder + "/" + JournaledMapper::kJournalName));
-  fmt::print("journal: {:.1f} MB, {:.1f} MB per hour, {:.1f} MB per km\n", journal_mb,
-             journal_mb / hours, journal_mb / km);
-  fmt::print("a commit takes {:.3f} s at most\n", longest_commit_s);
   const auto start = std::chrono::steady_clock::now();
   const double begun_s = processor_s();
   orchard::io::MapFolderLock place(folder);
   JournaledMapper again(config, 1, place);
   again.start({});
   const double again_s = seconds_since(start);
-  fmt::print(
-      "started again: {:.2f} s, {:.2f} s per hour of drive ({:.2f} s of processor); the map is "
-      "{}\n",
-      again_s, again_s / hours, (processor_s() - begun_s) / hours,
-      orchard::io::map_csv(again.mapper().landmarks()) == table ? "the same" : "ANOTHER");
+  const bool is_same = orchard::io::map_csv(again.mapper().landmarks()) == table;
+  orchard::trials::print_json(
+      {{"hours", hours},
+       {"km", km},
+       {"processor_s", processor_of_drive_s},
+       {"own_mb", course.back().own_mb},
+       {"with_files_mb", course.back().with_files_mb},
+       {"own_mb_per_hour", (course.back().own_mb - course[from].own_mb) / (part * hours)},
+       {"journal_mb_per_km", journal_mb / km},
+       {"commit_most_s", longest_commit_s},
+       {"again_s", again_s},
+       {"again_processor_s", processor_s() - begun_s},
+       {"same", is_same}});
   return 0;
 }

@@ -36,10 +36,9 @@ Error error_of(const pose::PoseEstimate& estimate, const Eigen::Vector3d& T_map_
 }
 
 struct Block {
-  explicit Block(std::uint64_t seed, const pose::PriorWorldOptions& options = {},
-                 double change = 0.05)
-      : before(pose::prior_world(seed, options)),
-        now(pose::changed(before, seed, change)),
+  explicit Block(std::uint64_t seed)
+      : before(pose::prior_world(seed, {})),
+        now(pose::changed(before, seed, 0.05)),
         map(pose::mapped(before, seed)),
         way(pose::way_through(before)),
         way_m(0.02 * static_cast<double>(way.size())) {}
@@ -188,7 +187,6 @@ int main(int argc, char** argv) {
     std::printf(
         "usage: prior_map_trials WHAT FIRST LAST (seeds)\n"
         "  global    start anywhere in the mapped block, 5 %% of its trees changed\n"
-        "  regular   the same in a block whose trees stand on an exact grid, none missing\n"
         "  foreign   the same with the map of another block\n"
         "  carried   tracking, then carried to another alley\n"
         "  tracking  all alleys and headland turns from a given start\n");
@@ -201,11 +199,9 @@ int main(int argc, char** argv) {
     tracking_trials(first, last);
   } else if (what == "carried") {
     carried_trials(first, last);
-  } else if (what == "global" || what == "regular" || what == "foreign") {
-    pose::PriorWorldOptions options;
-    if (what == "regular") options.jitter_m = options.missing_fraction = options.width_sd_m = 0.0;
+  } else if (what == "global" || what == "foreign") {
     for (std::uint64_t seed = first; seed <= last; ++seed) {
-      const Block block(seed, options, what == "regular" ? 0.0 : 0.05);
+      const Block block(seed);
       global_trial(seed, block, what == "foreign" ? Block(seed + 1000000).map : block.map);
     }
   } else {

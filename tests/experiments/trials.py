@@ -165,7 +165,7 @@ def photographs(lab, seeds):
 
     def area(ev, *options):
         said = lab.run("evaluate_windows", "--images", data / "images", "--masks", data / "masks", "--model", model, "--only",
-                       "020-119", "--exposure", ev, "--json", *options)
+                       "020-119", "--exposure", ev, *options)
         return json.loads(said)["auc"]
 
     evs = lab.each((0, -2, -1, 1, 2), area)
@@ -176,7 +176,7 @@ def photographs(lab, seeds):
 
 def laser_widths(lab, seeds):
     rows = lab.lines("laser_widths", len(seeds), seeds[0])
-    whole = [r for r in rows if r["hidden"] == 0 and r["circle_fitted"] > 0.9]
+    whole = [r for r in rows if r["circle_fitted"] > 0.9]
     return {"across": f"{median(r['circle_across_mm'] / r['angle_across_mm'] for r in whole):.2f} (median of {len(whole)})",
             "widths": f"{max(r['circle_width_mm'] for r in whole if r['range_m'] <= 2):.1f} mm",
             "ellipses": f"{100 * min(r['in_95'] for r in whole):.0f} to {100 * max(r['in_95'] for r in whole):.0f} %"}
@@ -591,7 +591,7 @@ def merge_robots(lab, seeds):
 
 
 def plans(lab, seeds):
-    runs = lab.lines("plan_trials", "near", seeds[0], seeds[-1])
+    runs = lab.lines("plan_trials", seeds[0], seeds[-1])
     laid = [r for r in runs if r["laid"]]
     true, false, over = (sum(r[k] for r in laid) for k in ("true", "false", "overlooked"))
     return {"names": f"{sum(r['named'] for r in laid):.0f} of {sum(r['named'] + r['misnamed'] for r in laid):.0f}",

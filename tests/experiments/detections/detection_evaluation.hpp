@@ -108,4 +108,7 @@ std::vector<bool> was_observed(const std::vector<ObservationPair>& observations,
 /// Adds counts.
 Counts& operator+=(Counts& into, const Counts& more);
 
+/// The results as one JSON object.
+std::string detection_json(const DetectionEvaluation& evaluation);
+
 }  // namespace orchard::evaluation

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/error_summary_json.hpp"
-#include "experiments/detections/detection_report.hpp"
+#include "experiments/detections/detection_evaluation.hpp"
 
 namespace orchard::evaluation {
 namespace {

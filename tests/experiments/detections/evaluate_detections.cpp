@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // evaluate_detections MAP_DIR|DERIVED_LOG... --observations CSV...: compares detections with the
-// true observations of a simulation: precision, recall, F1 and the calibration of probabilities.
+// true observations of a simulation: precision, recall, F1 and the calibration of probabilities, as
+// JSON.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +11,7 @@
 
 #include "bus/process/process.hpp"
 #include "cli/evaluate/detection_log.hpp"
-#include "experiments/detections/detection_report.hpp"
+#include "experiments/detections/detection_evaluation.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/truth_csv.hpp"
@@ -26,7 +27,6 @@ struct Options {
   std::vector<std::string> paths;              ///< map folders or logs with detections
   std::vector<std::string> observation_paths;  ///< truth of each one's scans, in the same order
   std::vector<std::string> truth_paths;  ///< true objects, one file per path, for the landmarks
-  bool json = false;
   evaluation::DetectionRules rules;
   bool without_picture = false;  ///< also count objects outside the picture
 };
@@ -109,11 +109,7 @@ int evaluate(Options options) {
     material.landmarks.reliability = evaluation::reliability(material.forecasts);
     result.landmarks = material.landmarks;
   }
-  if (options.json) {
-    std::fputs(detection_json(result).c_str(), stdout);
-  } else {
-    std::fputs(detection_tables(result).c_str(), stdout);
-  }
+  std::fputs(detection_json(result).c_str(), stdout);
   return bus::kExitOk;
 }
 
@@ -129,7 +125,7 @@ void add_limit(CLI::App& app, const char* name, Value& value, Value lo, Value hi
 
 int main(int argc, char** argv) {
   orchard::Options o;
-  CLI::App app{"Compares detections with the true observations of a simulation.",
+  CLI::App app{"Compares detections with the true observations of a simulation; JSON, in metres.",
                "evaluate_detections"};
   app.add_option("recordings", o.paths, "map folders with derived.lcm, or logs with DETECTIONS")
       ->required();
@@ -138,7 +134,6 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--truth", o.truth_paths,
                  "true objects, one file per recording: also evaluate the landmarks");
-  app.add_flag("--json", o.json, "print JSON, with lengths in metres");
   orchard::add_limit(app, "--range", o.rules.range_max_m, 0.1, 100.0,
                      "evaluate only objects nearer than this [m]");
   orchard::add_limit(app, "--min-beams", o.rules.num_beams_min, 1, 10000,

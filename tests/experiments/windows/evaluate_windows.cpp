@@ -13,8 +13,8 @@
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "vision/appearance.hpp"
-#include "vision/exposure.hpp"
 #include "vision/colour.hpp"
+#include "vision/exposure.hpp"
 
 namespace orchard {
 namespace {
@@ -23,7 +23,6 @@ struct Options {
   cli::MaskedPictureOptions pictures;
   std::string model_path;  ///< configuration with a learnt detector.appearance
   evaluation::Disturbance disturbance;
-  bool json = false;
 };
 
 int evaluate(const Options& options) {
@@ -54,7 +53,7 @@ int evaluate(const Options& options) {
       evaluation::evaluate_windows(scored, model.appearance.confidence_min);
   result.num_pictures = count.used;
   result.left_out = count.left_out;
-  std::fputs((options.json ? window_json(result) : window_summary(result)).c_str(), stdout);
+  std::fputs(window_json(result).c_str(), stdout);
   return bus::kExitOk;
 }
 
@@ -81,7 +80,6 @@ int main(int argc, char** argv) {
   app.add_option("--model", o.model_path, "configuration with a learnt detector.appearance")
       ->required();
   app.add_option("--only", pictures.only, "numbers of the pictures to use, such as 020-118");
-  app.add_flag("--json", o.json, "print JSON");
   using orchard::add_limit;
   add_limit(app, "--per-picture", windows.per_class, 1, 10000,
             "windows of each kind (on and off trunks) per picture");

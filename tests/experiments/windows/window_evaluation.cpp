@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experiments/windows/window_evaluation.hpp"
 
-#include <fmt/core.h>
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -46,11 +45,6 @@ AreaEstimate estimate(const std::vector<Group>& groups, Score score) {
   return result;
 }
 
-std::string area_text(const char* name, const AreaEstimate& estimate, const char* meaning) {
-  return fmt::format("{:<23} {:.4f}   95 % in [{:.4f}, {:.4f}]   {}\n", name, estimate.area,
-                     estimate.low, estimate.high, meaning);
-}
-
 }  // namespace
 
 WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, double confidence_min) {
@@ -74,21 +68,6 @@ WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, doub
   result.hue_interval = estimate(groups, &ScoredWindow::hue_interval);
   result.paper_hue_interval = estimate(groups, &ScoredWindow::paper_hue_interval);
   return result;
-}
-
-std::string window_summary(const WindowEvaluation& e) {
-  std::string summary = fmt::format(
-      "{} pictures of {} trees ({} not used): {} windows on trunks, {} elsewhere at the same "
-      "heights\n",
-      e.num_pictures, e.num_groups, e.left_out.size(), e.num_trunk, e.num_other);
-  summary += area_text("auc", e.appearance, "the learnt model");
-  summary += area_text("auc_hue_interval", e.hue_interval, "the hue interval of this model file");
-  summary += area_text("auc_hue_interval_paper", e.paper_hue_interval, "the paper's hue interval");
-  summary += fmt::format(
-      "with a confidence of at least {:.2f}: {:.1f} % of the windows on trunks, {:.1f} % of those "
-      "elsewhere\n",
-      e.confidence_min, 100.0 * e.found_fraction, 100.0 * e.false_fraction);
-  return summary;
 }
 
 std::string window_json(const WindowEvaluation& e) {

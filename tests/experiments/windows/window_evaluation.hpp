@@ -40,9 +40,6 @@ struct WindowEvaluation {
 /// Evaluates scored windows. Deterministic. The caller sets num_pictures and left_out.
 WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, double confidence_min);
 
-/// The results for the user, one per line.
-std::string window_summary(const WindowEvaluation& evaluation);
-
 /// The results as one JSON object.
 std::string window_json(const WindowEvaluation& evaluation);
 

@@ -74,7 +74,7 @@ class CalibrateProbability : public testing::Test {
     EXPECT_EQ(run("map " + at("judge.lcm") + " --config " + at(rig_yaml) + " --quiet --out " + map)
                   .exit_code,
               0);
-    const Outcome outcome = run(map + " --json --observations " + at("judge.looks.csv") +
+    const Outcome outcome = run(map + " --observations " + at("judge.looks.csv") +
                                     " --truth " + at("judge.truth.csv"),
                                 false, "experiments/evaluate_detections");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;

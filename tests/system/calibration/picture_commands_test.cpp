@@ -64,7 +64,7 @@ TEST_F(PictureCommands, LearnAModelAndTellHowGoodItIs) {
   EXPECT_TRUE(model.appearance.learnt());
   EXPECT_NE(text_of(in_folder("model.yaml")).find("4 pictures of 4 trees"), std::string::npos);
 
-  const Outcome told = windows(folders() + "--only 104-105 --json --model " +
+  const Outcome told = windows(folders() + "--only 104-105 --model " +
                                in_folder("model.yaml"));
   ASSERT_EQ(told.exit_code, 0) << told.output;
   const auto json = nlohmann::json::parse(told.output);

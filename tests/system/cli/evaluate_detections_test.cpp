@@ -42,8 +42,8 @@ class EvaluateDetections : public CliTest {
 };
 
 TEST_F(EvaluateDetections, TubesAreFoundScanByScan) {
-  const Result result = evaluate(
-      {path("map"), "--observations", path("looks.csv"), "--truth", path("truth.csv"), "--json"});
+  const Result result =
+      evaluate({path("map"), "--observations", path("looks.csv"), "--truth", path("truth.csv")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["observations"]["num_wrong"], 0);
@@ -93,8 +93,8 @@ TEST_F(EvaluateDetections, ProbabilitiesAreLearntAndThenStated) {
       orchard({"map", path("drive.lcm"), "--config", path("rig.yaml"), "--out", path("stated")})
           .exit_code,
       0);
-  const auto json = nlohmann::json::parse(
-      evaluate({path("stated"), "--observations", path("looks.csv"), "--json"}).out);
+  const auto json =
+      nlohmann::json::parse(evaluate({path("stated"), "--observations", path("looks.csv")}).out);
   EXPECT_LT(json["probability"]["expected_calibration_error"], 0.1);
 }
 

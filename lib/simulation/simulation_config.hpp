@@ -3,15 +3,194 @@
 
 #include <array>
 
-#include "simulation/scene/board_scene_config.hpp"
-#include "simulation/scene/change_config.hpp"
-#include "simulation/scene/clutter_config.hpp"
-#include "simulation/scene/drive_config.hpp"
-#include "simulation/scene/park/park_config.hpp"
-#include "simulation/scene/yard/yard_config.hpp"
-#include "simulation/sensor/light_config.hpp"
+#include "geometry/camera_model.hpp"
+#include "laser/laser_config.hpp"
+#include "simulation/scene/scene_config.hpp"
 
 namespace orchard::simulation {
+
+/// The light in a picture. Section `simulation.light`. Disabled: simple shading.
+struct LightConfig {
+  bool enabled = false;
+  bool sun_from_seed = true;
+  double sun_azimuth_deg = 0.0;
+  double sun_elevation_deg = 40.0;
+  double sun_fraction = 0.75;
+  bool shadows = true;
+  double temperature_k = 5500.0;
+  double shade_temperature_ratio = 1;
+  double drift_ev_per_min = 0.0;
+  double drift_ev_amplitude = 0.0;
+  double drift_k_amplitude = 0.0;
+  double drift_period_s = 120.0;
+};
+
+template <class Visitor>
+void describe(Visitor& v, LightConfig& c) {
+  v.flag("enabled", c.enabled,
+         "simulate sun, sky and shadows in linear light; needed by the keys below");
+  v.flag("sun_from_seed", c.sun_from_seed, "the seed chooses the direction of the sun");
+  v.number("sun_azimuth_deg", c.sun_azimuth_deg, -360, 360, "deg",
+           "azimuth of the sun, from map x towards y");
+  v.number("sun_elevation_deg", c.sun_elevation_deg, 3, 90, "deg",
+           "elevation of the sun above the horizon");
+  v.number("sun_fraction", c.sun_fraction, 0, 1, "1",
+           "fraction of the light that comes directly from the sun");
+  v.flag("shadows", c.shadows, "shadows of objects, dappled under crowns");
+  v.number("temperature_k", c.temperature_k, 1500, 15000, "K", "colour temperature of the sun");
+  v.number("shade_temperature_ratio", c.shade_temperature_ratio, 0.5, 4, "1",
+           "ratio of the colour temperatures of sky and sun");
+  v.number("drift_ev_amplitude", c.drift_ev_amplitude, 0, 4, "EV",
+           "amplitude of a sine of that brightness");
+  v.number("drift_k_amplitude", c.drift_k_amplitude, 0, 5000, "K",
+           "amplitude of a sine of the colour temperature");
+  v.number("drift_period_s", c.drift_period_s, 1, 1e5, "s", "period of both sines");
+}
+
+/// Response of the camera to light. Section `simulation.camera_response`; takes effect when
+/// `simulation.light.enabled`.
+struct CameraResponseConfig {
+  double exposure_ev = 0.0;
+  double white_balance_k = 5500.0;
+  double auto_exposure = 0.0;
+  double auto_exposure_lag_s = 0.5;
+  double vignetting = 0.0;
+  double gamma = 2.2;
+  double exposure_s = 0.0;
+};
+
+template <class Visitor>
+void describe(Visitor& v, CameraResponseConfig& c) {
+  v.number("exposure_ev", c.exposure_ev, -6, 6, "EV",
+           "exposure; 0: white in full sun is full scale");
+  v.number("white_balance_k", c.white_balance_k, 1500, 15000, "K",
+           "colour temperature that appears neutral");
+  v.number("auto_exposure", c.auto_exposure, 0, 1, "1",
+           "fraction of the drift of the light that the exposure compensates");
+  v.number("auto_exposure_lag_s", c.auto_exposure_lag_s, 0, 60, "s",
+           "time constant of that compensation");
+  v.number("vignetting", c.vignetting, 0, 1, "1", "fraction of light lost in the corners");
+  v.number("exposure_s", c.exposure_s, 0, 0.1, "s",
+           "exposure time, for motion blur while turning; 0 = sharp");
+}
+
+/// Time of an event: once or periodic. Off when its duration is 0.
+struct EpisodeConfig {
+  double at_s = 0.0;
+  double for_s = 0.0;
+  double every_s = 0.0;
+
+  /// Index of the occurrence at a time of the run, from 0; -1: none.
+  int number_at(double time_s) const {
+    if (for_s <= 0.0 || time_s < at_s) return -1;
+    const int number = every_s > 0.0 ? static_cast<int>((time_s - at_s) / every_s) : 0;
+    return time_s - begin_s(number) < for_s ? number : -1;
+  }
+  double begin_s(int number) const { return at_s + number * every_s; }
+};
+
+template <class Visitor>
+void describe(Visitor& v, EpisodeConfig& c) {
+  v.number("at_s", c.at_s, 0, 1e6, "s", "time of the first event, from the start");
+  v.number("for_s", c.for_s, 0, 1e6, "s", "duration of an event; 0 = no events");
+  v.number("every_s", c.every_s, 0, 1e6, "s", "interval of events; 0 = one event");
+}
+
+/// Errors of wheel encoders beyond section `motion`. Section `simulation.wheels`.
+struct WheelsConfig {
+  double yaw_rate_scale_sd = 0.0;
+  EpisodeConfig outage;
+  double surface_slip_sd = 0.0;
+  double surface_turn_slip_sd = 0.0;
+  double surface_m = 15.0;  ///< size of a patch of ground
+  double load_sd = 0.0;
+  double load_every_s = 400.0;  ///< from one change of the load to the next
+  double bias_wander_sd_radps = 0.0;
+  double bias_wander_s = 60.0;  ///< time constant of that bias
+  bool states_covariance = true;
+};
+
+template <class Visitor>
+void describe(Visitor& v, WheelsConfig& c) {
+  v.number("yaw_rate_scale_sd", c.yaw_rate_scale_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of the yaw rate, per run");
+  v.section("outage", c.outage, "periods without ODOMETRY");
+  v.number("surface_slip_sd", c.surface_slip_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of speed, which depends on the ground");
+  v.number("surface_turn_slip_sd", c.surface_turn_slip_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of yaw rate, which depends on the ground");
+  v.number("load_sd", c.load_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of speed, which depends on the load");
+  v.number("bias_wander_sd_radps", c.bias_wander_sd_radps, 0, 1, "rad/s",
+           "standard deviation of the wandering bias of the yaw rate");
+  v.flag("states_covariance", c.states_covariance, "ODOMETRY states its covariance");
+}
+
+/// Time-correlated errors and availability of a GNSS receiver. Section `simulation.gnss.sky`.
+struct SkyConfig {
+  double wander_sd_m = 0.0;
+  double wander_time_s = 60.0;  ///< its correlation time (to 1/e)
+  double gap_every_s = 0.0;
+  double gap_min_s = 20.0;   ///< min gap; lengths are uniform in their logarithm
+  double gap_max_s = 180.0;  ///< max gap
+  double burst_s = 0.0;
+  double pause_s = 0.0;
+  double multipath_fraction = 0.0;
+  double multipath_for_s = 8.0;  ///< mean duration of a reflection
+  double multipath_m = 10.0;     ///< mean length of its error, which is constant meanwhile
+};
+
+template <class Visitor>
+void describe(Visitor& v, SkyConfig& c) {
+  v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m",
+           "standard deviation of the slowly changing error, per axis");
+  v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean time between gaps; 0 = no gaps");
+  v.number("burst_s", c.burst_s, 0, 1e4, "s", "mean length of a burst of fixes; 0 = no bursts");
+  v.number("pause_s", c.pause_s, 0, 1e4, "s", "mean length of the pause after a burst");
+  v.number("multipath_fraction", c.multipath_fraction, 0, 0.9, "1",
+           "fraction of the time with multipath");
+}
+
+/// Antenna position and errors of the GNSS receiver. Section `simulation.gnss`.
+struct ReceiverConfig {
+  std::array<double, 2> antenna_m{0.0, 0.0};  ///< in base
+  double stated_sd_m = 0.0;
+  EpisodeConfig outage;
+  double jump_m = 30.0;
+  EpisodeConfig jump;
+  EpisodeConfig freeze;  ///< repeats the same position
+  SkyConfig sky;
+};
+
+template <class Visitor>
+void describe(Visitor& v, ReceiverConfig& c) {
+  v.number("stated_sd_m", c.stated_sd_m, 0, 100, "m",
+           "standard deviation that fixes state; 0 = the true one");
+  v.section("outage", c.outage, "periods without GNSS");
+  v.number("jump_m", c.jump_m, 0, 1e5, "m", "offset of fixes during a jump");
+  v.section("jump", c.jump, "periods with displaced fixes, each time in another direction");
+  v.section("freeze", c.freeze, "periods with a frozen position");
+  v.section("sky", c.sky, "correlated errors, bursts and gaps of fixes");
+}
+
+/// An IMU on base; the defaults are those of a small MEMS unit. Section `simulation.imu`.
+struct ImuConfig {
+  double rate_hz = 0.0;
+  double angular_rate_sd_radps = 0.002;     ///< of each sample and axis
+  double yaw_rate_bias_sd_radps = 0.003;    ///< of the initial bias, per run
+  double yaw_rate_walk = 3e-5;              ///< random walk of the bias [rad/s/sqrt(s)]
+  double acceleration_sd_mps2 = 0.05;       ///< of each sample and axis
+  double acceleration_bias_sd_mps2 = 0.05;  ///< of the bias forward and left, per run
+  bool orientation = false;
+  double orientation_sd_rad = 0.01;  ///< of each sample
+  double yaw_bias_sd_rad = 0.03;     ///< of the error of north, per run
+};
+
+template <class Visitor>
+void describe(Visitor& v, ImuConfig& c) {
+  v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "rate of IMU; 0 = none");
+  v.flag("orientation", c.orientation, "the IMU states roll, pitch, and yaw from east");
+}
 
 /// The simulated scanner; the defaults are those of a Hokuyo URG-04LX-UG01. Section
 /// `simulation.scanner`.
@@ -103,111 +282,6 @@ void describe(Visitor& v, ImageConfig& c) {
            "delay of the time stamp of a picture after its exposure");
 }
 
-/// The paper's simulated environment. Section `simulation.tubes`.
-struct TubesConfig {
-  double tube_spacing_m = 1.0;
-  double row_spacing_m = 1.6;
-  double jitter_m = 0.04;     ///< max offset of each tube from its nominal position
-  double first_tube_m = 3.3;  ///< from the robot's start to the first tubes
-  double step_m = 0.4;
-  int num_steps = 19;
-  double step_period_s = 1.0;     ///< between two pairs
-  double fix_sd_m = 0.001;        ///< of the position measured by hand
-  double fix_yaw_sd_rad = 0.003;  ///< of the heading measured by hand
-};
-
-template <class Visitor>
-void describe(Visitor& v, TubesConfig& c) {
-  v.number("tube_spacing_m", c.tube_spacing_m, 0.5, 3, "m", "distance between the tubes of a row");
-  v.number("row_spacing_m", c.row_spacing_m, 1, 4, "m", "distance between the two rows");
-  v.number("step_m", c.step_m, 0.05, 2, "m", "length of a step of the robot");
-  v.integer("num_steps", c.num_steps, 1, 1000, "1",
-            "number of steps, each with a scan and a picture");
-}
-
-/// Scene orchard. Section `simulation.orchard`.
-struct OrchardConfig {
-  int num_rows = 4;
-  int trees_per_row = 15;
-  double row_spacing_m = 4.0;
-  double tree_spacing_m = 2.0;
-  double jitter_m = 0.15;  ///< max offset of a tree from its nominal position
-  double missing_fraction = 0.08;
-  double trunk_width_m = 0.125;
-  double trunk_width_sd_m = 0.012;
-  double post_every_m = 10.0;
-  double post_width_m = 0.08;
-  double wide_post_fraction = 0.25;
-  int num_bushes = 6;
-  double bark_hue_min_deg = 20.0;  ///< of the trunks; each trunk has its own
-  double bark_hue_max_deg = 34.0;
-  double bark_saturation_min = 0.30;
-  double bark_saturation_max = 0.48;
-  double bark_value_min = 0.45;
-  double bark_value_max = 0.65;
-  bool rough_bark = false;
-  double lean_sd_rad = 0.0;
-  double stop_every_m = 0.0;
-  double weave_radps = 0.0;
-  double weave_period_s = 4.0;
-  double speed_mps = 1.0;
-  double headland_m = 3.0;
-  int laps = 0;
-  bool start_anywhere = false;  ///< starts anywhere on the lap instead of at the map's origin
-  double fix_rate_hz = 10.0;
-  double fix_sd_m = 0.015;
-  double fix_yaw_sd_rad = 0.005;
-};
-
-template <class Visitor>
-void describe(Visitor& v, OrchardConfig& c) {
-  v.integer("num_rows", c.num_rows, 2, 200, "rows",
-            "number of rows along map y; the robot drives between them");
-  v.integer("trees_per_row", c.trees_per_row, 1, 1000, "trees", "number of tree places per row");
-  v.number("row_spacing_m", c.row_spacing_m, 1.5, 20, "m", "distance between rows");
-  v.number("tree_spacing_m", c.tree_spacing_m, 0.3, 20, "m", "distance between the trees of a row");
-  v.number("missing_fraction", c.missing_fraction, 0, 1, "1",
-           "fraction of the places that are empty");
-  v.number("trunk_width_m", c.trunk_width_m, 0.02, 2, "m", "mean trunk width");
-  v.number("trunk_width_sd_m", c.trunk_width_sd_m, 0, 0.5, "m",
-           "standard deviation of the trunk width");
-  v.number("post_every_m", c.post_every_m, 0, 1000, "m",
-           "distance between the posts of a row; 0 = no posts");
-  v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1",
-           "fraction of posts as wide as a trunk");
-  v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "number of bushes among the trees");
-  v.number("bark_hue_min_deg", c.bark_hue_min_deg, 0, 360, "deg", "min hue of a trunk");
-  v.number("bark_hue_max_deg", c.bark_hue_max_deg, 0, 360, "deg", "max hue of a trunk");
-  v.number("bark_saturation_min", c.bark_saturation_min, 0, 1, "1", "min saturation of a trunk");
-  v.number("bark_saturation_max", c.bark_saturation_max, 0, 1, "1", "max saturation of a trunk");
-  v.number("bark_value_min", c.bark_value_min, 0, 1, "1", "min value (brightness) of a trunk");
-  v.number("bark_value_max", c.bark_value_max, 0, 1, "1", "max value (brightness) of a trunk");
-  v.flag("rough_bark", c.rough_bark,
-         "bark with bands and patches of moss and grey instead of even streaks");
-  v.number("lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad",
-           "standard deviation of the lean of trunks in the pictures");
-  v.number("stop_every_m", c.stop_every_m, 0, 10, "m",
-           "distance between stops for each scan, picture and fix; 0 = drive without stops");
-  v.number("weave_radps", c.weave_radps, 0, 2, "rad/s",
-           "max yaw rate of weaving left and right in a row");
-  v.number("weave_period_s", c.weave_period_s, 0.5, 60, "s", "period of that weaving");
-  v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "speed of the robot");
-  v.number("headland_m", c.headland_m, 0.5, 50, "m", "distance driven beyond a row before turning");
-  v.integer("laps", c.laps, 0, 1000, "1",
-            "laps through all alleys and back to the start; 0 = only to the end of the last alley");
-  v.flag("start_anywhere", c.start_anywhere, "start at a random position of the lap; needs laps");
-  v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "rate of POSE_FIX; 0 = none");
-  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
-           "standard deviation of the yaw of a POSE_FIX");
-  v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg",
-          "must not be above bark_hue_max_deg");
-  v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
-          "must not be above bark_saturation_max");
-  v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min",
-          "must not be above bark_value_max");
-  v.check(!c.start_anywhere || c.laps > 0, "start_anywhere", "needs laps above 0");
-}
-
 /// Odometry and GNSS while driving. Section `simulation.motion`.
 struct MotionConfig {
   double odometry_rate_hz = 50.0;
@@ -277,5 +351,13 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("change", c.change, "changes for scene orchard on a later day");
   v.section("board", c.board, "scene board: a chessboard in front of laser and camera");
 }
+
+/// The parts of a rig's configuration that the simulation needs.
+struct RigConfig {
+  laser::LaserConfig laser;
+  geometry::CameraConfig camera;
+  SimulationConfig simulation;
+  laser::RearLaserConfig laser_rear;  ///< the rear scanner; measures with the same errors
+};
 
 }  // namespace orchard::simulation

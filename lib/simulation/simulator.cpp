@@ -6,12 +6,8 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "simulation/scene/clutter.hpp"
 #include "simulation/scene/moving_world.hpp"
-#include "simulation/scene/orchard_change.hpp"
-#include "simulation/scene/orchard_scene.hpp"
-#include "simulation/scene/park/park_scene.hpp"
-#include "simulation/scene/yard/yard_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -223,7 +219,7 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
       return stamped(
           simulate_odometry(scene_.path, time_s, clocks_[kOdometry].period_s,
                             wheel_memory_.errors_at(odometry_errors_, time_s, T_map_base),
-                            config.motion, config.wheels, turn_slip_at(time_s), random));
+                            config.motion, config.wheels, random));
     }
     case kGnss: {
       const auto fix = receiver_.fix(scene_.path, index, time_s);
@@ -239,12 +235,6 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
               : simulate_fix(T_map_base, config.orchard.fix_sd_m, config.orchard.fix_yaw_sd_rad,
                              random));
   }
-}
-
-double Simulator::turn_slip_at(double time_s) const {
-  const double sd = rig_.simulation.wheels.turn_slip_sd;
-  if (sd <= 0.0) return 0.0;
-  return Random(seed_, Stream::kSlip, scene_.path.piece_at(time_s)).normal(0.0, sd);
 }
 
 std::optional<SensorMessage> Simulator::next() {

@@ -10,15 +10,12 @@
 
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
+#include "simulation/scene/moving_world.hpp"
 #include "simulation/scene/scene.hpp"
-#include "simulation/scene/tube_scene.hpp"
-#include "simulation/scene/world_index.hpp"
+#include "simulation/scene/scenes.hpp"
 #include "simulation/sensor/camera_renderer.hpp"
-#include "simulation/sensor/inertial_unit.hpp"
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/sensor/motion_sensors.hpp"
-#include "simulation/sensor/satellite_receiver.hpp"
-#include "simulation/sensor/wheel_error_model.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {
@@ -79,7 +76,6 @@ class Simulator {
   Pose2 pose_at(std::int64_t utime) const;
   std::optional<std::size_t> next_sensor() const;
   std::optional<SensorMessage> make(std::size_t sensor, std::int64_t index, std::int32_t seq) const;
-  double turn_slip_at(double time_s) const;
   std::vector<Pose2> laser_poses(std::int64_t utime, const laser::LaserConfig& mount) const;
   laser::Scan take_scan(std::int64_t utime, std::int64_t index, const laser::LaserConfig& mount,
                         Random& random) const;

@@ -8,7 +8,7 @@
 #include "calibration/board/camera_acceptance.hpp"
 #include "experiments/json_line.hpp"
 #include "io/config/config.hpp"
-#include "simulation/scene/board_picture.hpp"
+#include "simulation/board_scene.hpp"
 #include "worlds/board_motion.hpp"
 
 namespace {

@@ -8,7 +8,7 @@
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "experiments/json_line.hpp"
 #include "io/config/config.hpp"
-#include "simulation/scene/board_scene.hpp"
+#include "simulation/board_scene.hpp"
 
 namespace {
 

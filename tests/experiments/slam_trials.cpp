@@ -16,8 +16,8 @@
 #include "geometry/rigid_fit2.hpp"
 #include "pose/slam/trunk_slam.hpp"
 #include "simulation/random.hpp"
-#include "simulation/scene/park/park_scene.hpp"
-#include "simulation/sensor/wheel_error_model.hpp"
+#include "simulation/scene/scenes.hpp"
+#include "simulation/sensor/motion_sensors.hpp"
 #include "unit/pose/prior_map/noisy_trunk.hpp"
 
 namespace orchard {
@@ -216,7 +216,7 @@ Result drive(const World& world, std::uint64_t seed) {
     Random noise(seed, Stream::kOdometry, static_cast<std::uint64_t>(step));
     pose::Odometry odometry = simulation::simulate_odometry(world.path, t_s, kOdometryPeriod_s,
                                                             memory.errors_at(errors, t_s, pose),
-                                                            world.motion, world.wheels, 0.0, noise);
+                                                            world.motion, world.wheels, noise);
     odometry.utime = utime;
     slam.add(odometry);
     if (step % kOdometryPerScan != 0) continue;

@@ -1,19 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/clutter.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
-#include "simulation/scene/leafy_bushes.hpp"
 
 namespace orchard::simulation {
 namespace {
 
 constexpr double kRobotHalfWidth_m = 0.6;
 constexpr std::uint64_t kTrellisPosts = 1u << 20;  ///< random numbers of posts
+
+/// Converts each bush of a scene from twigs to leaves, into which beams penetrate by `depth_m` on
+/// average [m], sometimes through.
+void make_bushes_leafy(double depth_m, Scene& scene) {
+  std::vector<Cylinder> kept;
+  std::vector<char> is_made(scene.truth.size(), 0);
+  for (Cylinder c : scene.world.cylinders) {
+    const auto target = static_cast<std::size_t>(c.target);
+    const bool is_bush = c.target >= 0 && scene.truth[target].name[0] == 'S';
+    if (is_bush && is_made[target]) continue;
+    if (is_bush) {
+      is_made[target] = 1;
+      c.x_m = scene.truth[target].x_m;
+      c.y_m = scene.truth[target].y_m;
+      c.radius_m = 0.5 * scene.truth[target].width_m;
+      c.leaf_depth_m = depth_m;
+    }
+    kept.push_back(c);
+  }
+  scene.world.cylinders = std::move(kept);
+}
 
 class ClutterBuilder {
  public:
@@ -72,7 +94,7 @@ class ClutterBuilder {
       stem.x_m += apart_m * std::cos(towards_rad);
       stem.y_m += apart_m * std::sin(towards_rad);
       stem.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
-      add(stem, detection::Label::kTree, "T" + std::to_string(trees_.size() + ++num_twins_));
+      scene_.add(stem, detection::Label::kTree, "T" + std::to_string(trees_.size() + ++num_twins_));
     }
   }
 
@@ -91,8 +113,8 @@ class ClutterBuilder {
       for (const double fraction : {0.5, 0.35, 0.65}) {
         post.x_m = trees_[i].x_m + random.uniform(-0.08, 0.08);
         post.y_m = trees_[i].y_m + fraction * orchard.tree_spacing_m;
-        if (!clear(post.x_m, post.y_m, post.radius_m + 0.2)) continue;
-        add(post, detection::Label::kObject, "P" + std::to_string(++num_posts_));
+        if (!scene_.is_clear(post.x_m, post.y_m, post.radius_m + 0.2)) continue;
+        scene_.add(post, detection::Label::kObject, "P" + std::to_string(++num_posts_));
         break;
       }
     }
@@ -132,15 +154,13 @@ class ClutterBuilder {
       Cylinder stake;
       stake.radius_m = random.uniform(0.010, 0.020);
       stake.height_m = random.uniform(1.0, 1.8);
-      stake.appearance.hue_deg = random.uniform(35.0, 52.0);
-      stake.appearance.saturation = random.uniform(0.15, 0.40);
-      stake.appearance.value = random.uniform(0.50, 0.80);
-      stake.appearance.texture = Appearance::Texture::kWood;
+      stake.appearance = draw_appearance(random, {35.0, 52.0}, {0.15, 0.40}, {0.50, 0.80},
+                                         Appearance::Texture::kWood);
       const double away_m = 0.5 * trees_[i].width_m + stake.radius_m + random.uniform(0.03, 0.20);
       const double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
       stake.x_m = trees_[i].x_m + away_m * std::cos(towards_rad);
       stake.y_m = trees_[i].y_m + away_m * std::sin(towards_rad);
-      add(stake, detection::Label::kObject, "K" + std::to_string(i + 1));
+      scene_.add(stake, detection::Label::kObject, "K" + std::to_string(i + 1));
     }
   }
 
@@ -152,10 +172,9 @@ class ClutterBuilder {
       crate.length_m = bin ? 1.20 : 0.60;
       crate.width_m = bin ? 1.00 : 0.40;
       crate.height_m = bin ? 0.76 : 0.93;
-      crate.appearance.texture = Appearance::Texture::kWood;
-      crate.appearance.hue_deg = bin ? random.uniform(28.0, 45.0) : random.uniform(100.0, 240.0);
-      crate.appearance.saturation = bin ? random.uniform(0.2, 0.4) : random.uniform(0.4, 0.8);
-      crate.appearance.value = random.uniform(0.45, 0.75);
+      crate.appearance = draw_appearance(random, bin ? Limits{28.0, 45.0} : Limits{100.0, 240.0},
+                                         bin ? Limits{0.2, 0.4} : Limits{0.4, 0.8}, {0.45, 0.75},
+                                         Appearance::Texture::kWood);
       place_box(random, crate, 0.6, detection::Label::kObject, "C" + std::to_string(i + 1));
     }
   }
@@ -168,10 +187,8 @@ class ClutterBuilder {
       branch.width_m = random.uniform(0.03, 0.07);
       branch.base_m = std::max(0.0, config_.scanner.height_m - random.uniform(0.02, 0.15));
       branch.height_m = config_.scanner.height_m - branch.base_m + random.uniform(0.02, 0.05);
-      branch.appearance.texture = Appearance::Texture::kRoughBark;
-      branch.appearance.hue_deg = random.uniform(25.0, 60.0);
-      branch.appearance.saturation = random.uniform(0.1, 0.35);
-      branch.appearance.value = random.uniform(0.30, 0.55);
+      branch.appearance = draw_appearance(random, {25.0, 60.0}, {0.1, 0.35}, {0.30, 0.55},
+                                          Appearance::Texture::kRoughBark);
       place_box(random, branch, 1.0, detection::Label::kObject, "F" + std::to_string(i + 1));
     }
   }
@@ -187,7 +204,8 @@ class ClutterBuilder {
       box.y_m = random.uniform(first_y_m(), last_y_m());
       box.yaw_rad = random.uniform(-geometry::kPi, geometry::kPi);
       box.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
-      if (!clear(box.x_m, box.y_m, reach_m + 0.1) || on_track(box.x_m, box.y_m, reach_m)) continue;
+      if (!scene_.is_clear(box.x_m, box.y_m, reach_m + 0.1) || on_track(box.x_m, box.y_m, reach_m))
+        continue;
       box.target = scene_.world.num_targets++;
       scene_.truth.push_back({label, box.x_m, box.y_m, box.length_m, name});
       scene_.world.boxes.push_back(box);
@@ -215,10 +233,8 @@ class ClutterBuilder {
         piece.length_m = 1.0;
         piece.width_m = random.uniform(0.4, 0.7);
         piece.height_m = random.uniform(1.5, 2.0);
-        piece.appearance.hue_deg = random.uniform(85.0, 120.0);
-        piece.appearance.saturation = random.uniform(0.35, 0.6);
-        piece.appearance.value = random.uniform(0.25, 0.45);
-        piece.appearance.texture = Appearance::Texture::kLeaves;
+        piece.appearance = draw_appearance(random, {85.0, 120.0}, {0.35, 0.6}, {0.25, 0.45},
+                                           Appearance::Texture::kLeaves);
         piece.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
         piece.target = scene_.world.num_targets++;
         scene_.truth.push_back({detection::Label::kObject, piece.x_m, piece.y_m, piece.length_m,
@@ -247,9 +263,9 @@ class ClutterBuilder {
         stalk.height_m = grass ? scan_m + random.uniform(0.02, 0.25) : random.uniform(0.6, 1.0);
         stalk.sway_m = clutter_.sway_m;
         stalk.target = -1;
-        stalk.appearance.hue_deg = grass ? random.uniform(48.0, 100.0) : random.uniform(20.0, 45.0);
-        stalk.appearance.saturation = random.uniform(0.25, 0.55);
-        stalk.appearance.value = grass ? random.uniform(0.4, 0.7) : random.uniform(0.2, 0.4);
+        stalk.appearance =
+            draw_appearance(random, grass ? Limits{48.0, 100.0} : Limits{20.0, 45.0}, {0.25, 0.55},
+                            grass ? Limits{0.4, 0.7} : Limits{0.2, 0.4});
         stalk.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
         scene_.world.cylinders.push_back(stalk);
       }
@@ -262,10 +278,8 @@ class ClutterBuilder {
       Random random(seed_, Stream::kCrowns, i);
       Crown crown;
       crown.foliage = clutter_.foliage;
-      crown.appearance.texture = Appearance::Texture::kLeaves;
-      crown.appearance.hue_deg = random.uniform(75.0, 112.0);
-      crown.appearance.saturation = random.uniform(0.35, 0.65);
-      crown.appearance.value = random.uniform(0.35, 0.60);
+      crown.appearance = draw_appearance(random, {75.0, 112.0}, {0.35, 0.65}, {0.35, 0.60},
+                                         Appearance::Texture::kLeaves);
       for (int ball = 0; ball < 3; ++ball) {
         crown.x_m = trees_[i].x_m + random.uniform(-0.45, 0.45);
         crown.y_m = trees_[i].y_m + random.uniform(-0.55, 0.55);
@@ -317,9 +331,7 @@ class ClutterBuilder {
       const double walked_m = person.speed_mps * (time_s - person.starts_s);
       person.x_m = meeting.x_m - walked_m * std::cos(person.heading_rad);
       person.y_m = meeting.y_m - walked_m * std::sin(person.heading_rad);
-      person.clothes.hue_deg = random.uniform(0.0, 360.0);
-      person.clothes.saturation = random.uniform(0.1, 0.6);
-      person.clothes.value = random.uniform(0.15, 0.7);
+      person.clothes = draw_appearance(random, {0.0, 360.0}, {0.1, 0.6}, {0.15, 0.7});
       person.clothes.texture_seed = static_cast<std::uint32_t>(random.bits());
       if (!walks_free(person)) continue;
       person.target = scene_.world.num_targets++;
@@ -395,22 +407,10 @@ class ClutterBuilder {
     return true;
   }
 
-  bool clear(double x_m, double y_m, double reach_m) const {
-    return std::none_of(scene_.truth.begin(), scene_.truth.end(), [&](const TruthObject& other) {
-      return std::hypot(other.x_m - x_m, other.y_m - y_m) < reach_m + 0.5 * other.width_m;
-    });
-  }
-
   bool on_track(double x_m, double y_m, double reach_m) const {
     return std::any_of(track_.begin(), track_.end(), [&](const Pose2& pose) {
       return std::hypot(pose.x_m - x_m, pose.y_m - y_m) < reach_m + kRobotHalfWidth_m;
     });
-  }
-
-  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
-    cylinder.target = scene_.world.num_targets++;
-    scene_.truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
-    scene_.world.cylinders.push_back(cylinder);
   }
 
   std::size_t cylinder_of(const TruthObject& tree) const {

@@ -62,8 +62,6 @@ std::size_t DrivePath::piece_of(double s_m) const {
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, after - pieces_.begin() - 1));
 }
 
-std::size_t DrivePath::piece_at(double time_s) const { return piece_of(way_at(time_s)); }
-
 Pose2 DrivePath::pose_at_length(double s_m) const {
   if (pieces_.empty()) return start_;
   const Piece& piece = pieces_[piece_of(s_m)];
@@ -89,7 +87,7 @@ double DrivePath::yaw_rate_at(double time_s) const {
            (2.0 * kHalf_s);
   }
   if (pieces_.empty() || time_s < 0.0 || time_s > duration_s()) return 0.0;
-  return speed_mps_ * pieces_[piece_at(time_s)].curvature_per_m;
+  return speed_mps_ * pieces_[piece_of(way_at(time_s))].curvature_per_m;
 }
 
 }  // namespace orchard::simulation

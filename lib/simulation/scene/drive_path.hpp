@@ -40,9 +40,6 @@ class DrivePath {
   /// [m].
   double way_at(double time_s) const;
 
-  /// Index of the current arc, from 0.
-  std::size_t piece_at(double time_s) const;
-
   /// True yaw rate at a time [rad/s].
   double yaw_rate_at(double time_s) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/orchard_change.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <algorithm>
 #include <cmath>

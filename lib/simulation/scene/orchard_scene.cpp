@@ -1,16 +1,144 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/orchard_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
-#include "simulation/scene/orchard_path.hpp"
 
 namespace orchard::simulation {
 namespace {
+
+class OrchardPathBuilder {
+ public:
+  OrchardPathBuilder(std::uint64_t seed, const OrchardConfig& config, const CarryConfig& carry)
+      : seed_(seed),
+        config_(config),
+        carry_(carry),
+        row_length_m_((config.trees_per_row - 1) * config.tree_spacing_m),
+        num_alleys_(std::max(1, config.num_rows - 1)),
+        path_({0.0, 0.0, geometry::kPi / 2.0}, config.speed_mps) {}
+
+  DrivePath build() {
+    // One lap more than needed, so that the drive can start anywhere on a lap.
+    const int num_laps = std::max(1, config_.laps) + (config_.start_anywhere ? 1 : 0);
+    for (int lap = 0; lap < num_laps; ++lap) {
+      drive_alleys();
+      if (config_.laps > 0) return_to_start();
+    }
+    double begin_m = 0.0;
+    if (config_.start_anywhere) {
+      const double lap_m = path_.length_m() / num_laps;
+      begin_m = Random(seed_, Stream::kStart).uniform(0.0, lap_m);
+      path_.drive_only(begin_m, begin_m + config_.laps * lap_m);
+    }
+    if (carry_.for_s > 0.0 && carry_.at_s > 0.0) carry_away(begin_m);
+    return path_;
+  }
+
+ private:
+  struct Alley {
+    double begin_m;
+    double length_m;
+    int number;  ///< from 0
+  };
+
+  double bottom_y_m() const { return kRowsBegin_m - config_.headland_m; }
+
+  void drive_alleys() {
+    const double straight_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
+    const double between_m = row_length_m_ + 2.0 * config_.headland_m;
+    const double curvature = 2.0 / config_.row_spacing_m;  // half circles from alley to alley
+    for (int alley = 0; alley < num_alleys_; ++alley) {
+      const double length_m = alley == 0 ? straight_m : between_m;
+      const double begin_m = path_.length_m();
+      drive_alley(length_m);
+      alleys_.push_back({begin_m, path_.length_m() - begin_m, alley});
+      if (alley + 1 < num_alleys_) {
+        const double side = alley % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
+        path_.append(geometry::kPi / curvature, side * curvature);
+      }
+    }
+  }
+
+  /// Returns along the headland and, after an odd number of alleys, down the outer side of the
+  /// first row.
+  void return_to_start() {
+    const double radius_m = 0.5 * config_.row_spacing_m;
+    const double quarter_m = 0.5 * geometry::kPi * radius_m;
+    const double last_x_m = (num_alleys_ - 1) * config_.row_spacing_m;
+    const double turn_y_m = std::min(0.0, bottom_y_m());
+    if (num_alleys_ % 2 == 1) {
+      const double top_y_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
+      path_.append(quarter_m, 1.0 / radius_m);
+      path_.append(last_x_m + config_.row_spacing_m - 2.0 * radius_m, 0.0);
+      path_.append(quarter_m, 1.0 / radius_m);
+      path_.append(top_y_m - turn_y_m, 0.0);
+      path_.append(2.0 * quarter_m, 1.0 / radius_m);
+    } else {
+      path_.append(bottom_y_m() - turn_y_m, 0.0);
+      path_.append(quarter_m, -1.0 / radius_m);
+      path_.append(last_x_m - 2.0 * radius_m, 0.0);
+      path_.append(quarter_m, -1.0 / radius_m);
+    }
+    path_.append(-turn_y_m, 0.0);
+  }
+
+  /// Appends a straight line, or a weaving path with yaw a sin(2 pi t / period) that ends at the
+  /// same point.
+  void drive_alley(double length_m) {
+    if (config_.weave_radps <= 0.0) return path_.append(length_m, 0.0);
+    const double rate = 2.0 * geometry::kPi / config_.weave_period_s;
+    const double most_rad = config_.weave_radps / rate;
+    constexpr int kPieces = 32;  // of a period
+    double cosines = 0.0;
+    for (int i = 0; i < kPieces; ++i) {
+      cosines += std::cos(most_rad * std::sin(2.0 * geometry::kPi * (i + 0.5) / kPieces));
+    }
+    const double wanted_m = config_.speed_mps * config_.weave_period_s;  // in a period
+    const double forward = cosines / kPieces;
+    const double num_periods = std::max(1.0, std::round(length_m / (wanted_m * forward)));
+    const double piece_m = length_m / (num_periods * forward * kPieces);
+    for (int i = 0; i < static_cast<int>(num_periods) * kPieces; ++i) {
+      const double turn_rad = most_rad * (std::sin(2.0 * geometry::kPi * (i + 1) / kPieces) -
+                                          std::sin(2.0 * geometry::kPi * i / kPieces));
+      path_.append(piece_m, turn_rad / piece_m);
+    }
+  }
+
+  /// Carries the robot to another alley on the same lap, with most of that alley still ahead.
+  void carry_away(double begin_m) {
+    const double lifted_m = path_.way_at(carry_.at_s);
+    const int num_laps = static_cast<int>(alleys_.size()) / num_alleys_;
+    const double lap_m = path_.length_m() / num_laps;
+    const auto lap =
+        static_cast<std::size_t>(std::clamp(static_cast<int>(lifted_m / lap_m), 0, num_laps - 1));
+    Random random(seed_, Stream::kCarry);
+    std::vector<Alley> others;
+    for (int i = 0; i < num_alleys_; ++i) {
+      const Alley& alley = alleys_[lap * static_cast<std::size_t>(num_alleys_) + i];
+      const bool here = lifted_m >= alley.begin_m && lifted_m < alley.begin_m + alley.length_m;
+      const bool wanted = carry_.to_alley == 0 || carry_.to_alley == alley.number + 1;
+      if (!here && wanted && alley.begin_m > begin_m) others.push_back(alley);
+    }
+    if (others.empty()) return;
+    const auto chosen = static_cast<std::size_t>(random.uniform() * others.size());
+    const Alley& alley = others[chosen];
+    path_.carry(carry_.at_s, carry_.for_s,
+                alley.begin_m + random.uniform(0.1, 0.5) * alley.length_m);
+  }
+
+  std::uint64_t seed_;
+  const OrchardConfig& config_;
+  const CarryConfig& carry_;
+  double row_length_m_;
+  int num_alleys_;
+  DrivePath path_;
+  std::vector<Alley> alleys_;
+};
 
 class OrchardSceneBuilder {
  public:
@@ -55,7 +183,7 @@ class OrchardSceneBuilder {
         Random lean(seed_, Stream::kLean, static_cast<std::uint64_t>(num_trees_));
         trunk.lean_x = lean.normal(0.0, config_.lean_sd_rad);
         trunk.lean_y = lean.normal(0.0, config_.lean_sd_rad);
-        add(trunk, detection::Label::kTree, "T" + std::to_string(++num_trees_));
+        scene_.add(trunk, detection::Label::kTree, "T" + std::to_string(++num_trees_));
       }
     }
     if (config_.post_every_m <= 0.0) return;
@@ -65,8 +193,8 @@ class OrchardSceneBuilder {
                 config_.tree_spacing_m) {
       const bool wide = place_.uniform() < config_.wide_post_fraction;
       const double width_m = wide ? config_.trunk_width_m : config_.post_width_m;
-      add({row_x_m(row), kRowsBegin_m + y_m, width_m / 2.0, 2.0, 0.0, 0, painted()},
-          detection::Label::kObject, "P" + std::to_string(++num_posts_));
+      scene_.add({row_x_m(row), kRowsBegin_m + y_m, width_m / 2.0, 2.0, 0.0, 0, painted()},
+                 detection::Label::kObject, "P" + std::to_string(++num_posts_));
     }
   }
 
@@ -78,33 +206,13 @@ class OrchardSceneBuilder {
       const int row = static_cast<int>(place_.uniform() * config_.num_rows);
       x_m = row_x_m(row) + place_.uniform(-0.2, 0.2);
       y_m = kRowsBegin_m + place_.uniform(0.0, std::max(1.0, row_length_m_));
-      const bool clear =
-          std::none_of(scene_.truth.begin(), scene_.truth.end(), [&](const TruthObject& other) {
-            return std::hypot(other.x_m - x_m, other.y_m - y_m) <
-                   0.3 + 0.5 * size_m + 0.5 * other.width_m;
-          });
-      if (clear) break;
+      if (scene_.is_clear(x_m, y_m, 0.3 + 0.5 * size_m)) break;
     }
-    const int target = scene_.world.num_targets++;
-    const int num_twigs = static_cast<int>(40 * size_m);
-    for (int i = 0; i < num_twigs; ++i) {
-      const double distance_m = 0.5 * size_m * std::sqrt(place_.uniform());
-      const double angle_rad = place_.uniform(0.0, 2.0 * geometry::kPi);
-      Cylinder twig;
-      twig.x_m = x_m + distance_m * std::cos(angle_rad);
-      twig.y_m = y_m + distance_m * std::sin(angle_rad);
-      twig.radius_m = place_.uniform(0.012, 0.05);
-      twig.height_m = place_.uniform(0.35, 0.9);
-      twig.target = target;
-      twig.appearance.hue_deg = appearance_.uniform(75.0, 115.0);
-      twig.appearance.saturation = appearance_.uniform(0.35, 0.6);
-      twig.appearance.value = appearance_.uniform(0.3, 0.55);
-      twig.appearance.texture = Appearance::Texture::kLeaves;
-      twig.appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
-      scene_.world.cylinders.push_back(twig);
-    }
-    scene_.truth.push_back(
-        {detection::Label::kObject, x_m, y_m, size_m, "S" + std::to_string(++num_bushes_)});
+    scene_.add_bush(x_m, y_m, size_m, {0.35, 0.9}, "S" + std::to_string(++num_bushes_), place_,
+                    [&] {
+                      return seeded(draw_appearance(appearance_, {75.0, 115.0}, {0.35, 0.6},
+                                                    {0.3, 0.55}, Appearance::Texture::kLeaves));
+                    });
   }
 
   void add_path() {
@@ -118,29 +226,19 @@ class OrchardSceneBuilder {
     }
   }
 
-  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
-    cylinder.target = scene_.world.num_targets++;
-    scene_.truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
-    scene_.world.cylinders.push_back(cylinder);
-  }
-
   Appearance bark() {
-    Appearance appearance;
-    appearance.hue_deg = appearance_.uniform(config_.bark_hue_min_deg, config_.bark_hue_max_deg);
-    appearance.saturation =
-        appearance_.uniform(config_.bark_saturation_min, config_.bark_saturation_max);
-    appearance.value = appearance_.uniform(config_.bark_value_min, config_.bark_value_max);
-    appearance.texture =
-        config_.rough_bark ? Appearance::Texture::kRoughBark : Appearance::Texture::kBark;
-    appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
-    return appearance;
+    return seeded(draw_appearance(
+        appearance_, {config_.bark_hue_min_deg, config_.bark_hue_max_deg},
+        {config_.bark_saturation_min, config_.bark_saturation_max},
+        {config_.bark_value_min, config_.bark_value_max},
+        config_.rough_bark ? Appearance::Texture::kRoughBark : Appearance::Texture::kBark));
   }
 
   Appearance painted() {
-    Appearance appearance;
-    appearance.hue_deg = appearance_.uniform(200.0, 230.0);
-    appearance.saturation = appearance_.uniform(0.12, 0.30);
-    appearance.value = appearance_.uniform(0.70, 0.85);
+    return seeded(draw_appearance(appearance_, {200.0, 230.0}, {0.12, 0.30}, {0.70, 0.85}));
+  }
+
+  Appearance seeded(Appearance appearance) {
     appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     return appearance;
   }
@@ -162,6 +260,11 @@ class OrchardSceneBuilder {
 };
 
 }  // namespace
+
+DrivePath make_orchard_path(std::uint64_t seed, const OrchardConfig& config,
+                            const CarryConfig& carry) {
+  return OrchardPathBuilder(seed, config, carry).build();
+}
 
 Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config,
                          const CarryConfig& carry) {

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "geometry/angles.hpp"
+#include "simulation/random.hpp"
 #include "simulation/scene/drive_path.hpp"
 #include "simulation/scene/world.hpp"
 
@@ -21,6 +26,21 @@ struct Appearance {
   std::uint32_t texture_seed = 0;
   double reflectivity = 0.3;  ///< to the laser; 1: white paper, more: a reflector
 };
+
+struct Limits {
+  double min, max;
+};
+
+/// Draws the hue [deg], saturation and value of a surface, in this order.
+inline Appearance draw_appearance(Random& random, Limits hue_deg, Limits saturation, Limits value,
+                                  Appearance::Texture texture = Appearance::Texture::kCardboard) {
+  Appearance appearance;
+  appearance.hue_deg = random.uniform(hue_deg.min, hue_deg.max);
+  appearance.saturation = random.uniform(saturation.min, saturation.max);
+  appearance.value = random.uniform(value.min, value.max);
+  appearance.texture = texture;
+  return appearance;
+}
 
 /// An upright cylinder on the ground: a tube, a trunk, a post, a twig of a bush.
 struct Cylinder {
@@ -110,6 +130,42 @@ struct Scene {
   std::vector<Pose2> stops;  ///< T_map_base
   double stop_period_s = 1.0;
   DrivePath path;
+
+  /// Adds an object of one cylinder with its truth.
+  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
+    cylinder.target = world.num_targets++;
+    truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
+    world.cylinders.push_back(cylinder);
+  }
+
+  /// Adds a bush with its truth: an irregular cluster of twigs of random height, `leaf()` gives the
+  /// appearance of each.
+  template <class Leaf>
+  void add_bush(double x_m, double y_m, double size_m, Limits height_m, const std::string& name,
+                Random& place, Leaf leaf) {
+    const int target = world.num_targets++;
+    const int num_twigs = static_cast<int>(40 * size_m);
+    for (int i = 0; i < num_twigs; ++i) {
+      const double distance_m = 0.5 * size_m * std::sqrt(place.uniform());
+      const double angle_rad = place.uniform(0.0, 2.0 * geometry::kPi);
+      Cylinder twig;
+      twig.x_m = x_m + distance_m * std::cos(angle_rad);
+      twig.y_m = y_m + distance_m * std::sin(angle_rad);
+      twig.radius_m = place.uniform(0.012, 0.05);
+      twig.height_m = place.uniform(height_m.min, height_m.max);
+      twig.target = target;
+      twig.appearance = leaf();
+      world.cylinders.push_back(twig);
+    }
+    truth.push_back({detection::Label::kObject, x_m, y_m, size_m, name});
+  }
+
+  /// True if no object of the truth is within `reach_m` of a point, beyond its own half width.
+  bool is_clear(double x_m, double y_m, double reach_m) const {
+    return std::none_of(truth.begin(), truth.end(), [&](const TruthObject& other) {
+      return std::hypot(other.x_m - x_m, other.y_m - y_m) < reach_m + 0.5 * other.width_m;
+    });
+  }
 };
 
 }  // namespace orchard::simulation

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/tube_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,7 +97,7 @@ class TubeSceneBuilder {
         Cylinder tube = make(kTubeWidth_m, cardboard());
         tube.x_m = side * tubes.row_spacing_m / 2.0 + jitter();
         tube.y_m = tubes.first_tube_m + i * tubes.tube_spacing_m + jitter();
-        add(tube, detection::Label::kTree, "T" + std::to_string(row * kTubesPerRow + i + 1));
+        scene_.add(tube, detection::Label::kTree, "T" + std::to_string(row * kTubesPerRow + i + 1));
       }
     }
   }
@@ -142,7 +142,7 @@ class TubeSceneBuilder {
       scene_ = before;
       object.x_m = where.side * place_.uniform(where.x_min_m, where.x_max_m);
       object.y_m = place_.uniform(where.y_min_m, where.y_max_m);
-      add(object, detection::Label::kObject, name);
+      scene_.add(object, detection::Label::kObject, name);
       const int num_faults = faults();
       if (attempt == 0 || num_faults < best_faults) {
         best_faults = num_faults;
@@ -162,12 +162,6 @@ class TubeSceneBuilder {
     return sum;
   }
 
-  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
-    cylinder.target = scene_.world.num_targets++;
-    scene_.truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
-    scene_.world.cylinders.push_back(cylinder);
-  }
-
   Cylinder make(double width_m, const Appearance& appearance) {
     Cylinder cylinder;
     cylinder.radius_m = width_m / 2.0;
@@ -177,11 +171,8 @@ class TubeSceneBuilder {
   }
 
   Appearance cardboard() {
-    Appearance appearance;
-    appearance.hue_deg = tube_hue_deg_ + appearance_.uniform(-3.0, 3.0);
-    appearance.saturation = appearance_.uniform(0.38, 0.52);
-    appearance.value = appearance_.uniform(0.68, 0.82);
-    appearance.texture = Appearance::Texture::kCardboard;
+    Appearance appearance = draw_appearance(appearance_, {-3.0, 3.0}, {0.38, 0.52}, {0.68, 0.82});
+    appearance.hue_deg += tube_hue_deg_;
     appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     return appearance;
   }

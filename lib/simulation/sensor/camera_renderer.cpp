@@ -2,7 +2,9 @@
 #include "simulation/sensor/camera_renderer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -18,6 +20,34 @@ namespace {
 
 constexpr float kThin_m = 0.007f;  ///< stalks and twigs are invisible beyond a few metres
 constexpr float kFarthestThin_m = 6.0f;
+
+/// Distances at which a level ray enters and leaves a rectangle, and the entry face.
+struct Crossing {
+  float enter_m = 0.0f;
+  float leave_m = std::numeric_limits<float>::infinity();
+  std::size_t axis = 0;
+  float sign = 1.0f;  ///< of the face's normal along its axis
+  bool hit = true;
+};
+
+Crossing cross(const std::array<float, 2>& from, const std::array<float, 2>& towards,
+               const std::array<float, 2>& half) {
+  Crossing crossing;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const float t =
+        std::abs(towards[axis]) < 1e-6f ? std::copysign(1e-6f, towards[axis]) : towards[axis];
+    const float one_m = (-half[axis] - from[axis]) / t, other_m = (half[axis] - from[axis]) / t;
+    if (std::min(one_m, other_m) > crossing.enter_m) {
+      crossing.enter_m = std::min(one_m, other_m);
+      crossing.axis = axis;
+      crossing.sign = t > 0.0f ? -1.0f : 1.0f;
+    }
+    crossing.leave_m = std::min(crossing.leave_m, std::max(one_m, other_m));
+  }
+  crossing.hit =
+      crossing.enter_m > CameraRenderer::kNearest_m && crossing.enter_m < crossing.leave_m;
+  return crossing;
+}
 
 }  // namespace
 
@@ -104,6 +134,37 @@ void CameraRenderer::blend(Picture& picture, std::size_t pixel, const Bgr& colou
   p[2] = blended.r;
 }
 
+CameraRenderer::Bearing CameraRenderer::bearing_of(const Pose2& T_map_camera, double x_m,
+                                                   double y_m) const {
+  const Eigen::Vector2f p = inverse_transform(T_map_camera, {x_m, y_m}).cast<float>();
+  return {p.x(), p.y(), std::hypot(p.x(), p.y()),
+          static_cast<float>(geometry::wrap_angle_rad(std::atan2(p.y(), p.x()) - axis_rad_))};
+}
+
+template <class Function>
+void CameraRenderer::for_each_ray(float azimuth_rad, float half_rad, Function function) const {
+  for (int u = 0; u < width_px_; ++u) {
+    if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad ||
+        columns_[u].azimuth_min_rad > azimuth_rad + half_rad) {
+      continue;
+    }
+    for (int v = 0; v < height_px_; ++v) {
+      const std::size_t pixel = static_cast<std::size_t>(v) * width_px_ + u;
+      function(rays_[pixel], pixel);
+    }
+  }
+}
+
+Bgr CameraRenderer::lit(const Frame& frame, const Bgr& colour, float facing,
+                        const Eigen::Vector3f& p, int target) const {
+  if (frame.lighting == nullptr) {
+    const auto ambient = static_cast<float>(frame.world.ambient);
+    return colour * (ambient + (1.0f - ambient) * facing);
+  }
+  const float sun = facing > 0.0f ? open(frame, p.x(), p.y(), p.z(), target) : 0.0f;
+  return frame.lighting->shade(linear_of(colour), facing, sun, kUprightSky);
+}
+
 void CameraRenderer::draw_background(const Frame& frame) const {
   const World& world = frame.world;
   const Pose2& T_map_camera = frame.T_map_camera;
@@ -129,8 +190,8 @@ void CameraRenderer::draw_background(const Frame& frame) const {
       const float y_m = static_cast<float>(T_map_camera.y_m) + distance_m * dy;
       Bgr ground = ground_colour(world, x_m, y_m, footprint_m);
       if (frame.lighting != nullptr) {
-        const float lit = shadows_.open(x_m, y_m, 0.0f, -2);
-        ground = frame.lighting->shade(linear_of(ground), frame.sun_z, lit, 1.0f);
+        const float sun = shadows_.open(x_m, y_m, 0.0f, -2);
+        ground = frame.lighting->shade(linear_of(ground), frame.sun_z, sun, 1.0f);
       }
       colour = mix(colour, ground, ground_fraction);
     }
@@ -141,76 +202,56 @@ void CameraRenderer::draw_background(const Frame& frame) const {
 }
 
 void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder) const {
-  const World& world = frame.world;
   const Pose2& T_map_camera = frame.T_map_camera;
-  // In base axes, relative to the camera's foot.
   const double c = std::cos(T_map_camera.yaw_rad), s = std::sin(T_map_camera.yaw_rad);
-  const Eigen::Vector2f p_camera =
-      inverse_transform(T_map_camera, {cylinder.x_m, cylinder.y_m}).cast<float>();
-  auto x_m = p_camera.x(), y_m = p_camera.y();
+  const Bearing foot = bearing_of(T_map_camera, cylinder.x_m, cylinder.y_m);
   const auto radius_m = static_cast<float>(cylinder.radius_m);
-  const float distance_m = std::hypot(x_m, y_m);
+  const float distance_m = foot.distance_m;
   if (distance_m - radius_m < kNearest_m || distance_m > kFarthest_m) return;
   if (radius_m < kThin_m && distance_m > kFarthestThin_m) return;
-  const auto azimuth_rad =
-      static_cast<float>(geometry::wrap_angle_rad(std::atan2(y_m, x_m) - axis_rad_));
-  const float half_rad = std::asin(std::min(1.0f, radius_m / distance_m));
 
   const auto camera_height_m = static_cast<float>(camera_height_m_);
   const auto foot_m = static_cast<float>(cylinder.base_m);
   const auto top_m = static_cast<float>(cylinder.base_m + cylinder.height_m);
-  const auto ambient = static_cast<float>(world.ambient);
   const bool leans = cylinder.lean_x != 0.0 || cylinder.lean_y != 0.0;
-  const float foot_x_m = x_m, foot_y_m = y_m;
   const auto lean_x = static_cast<float>(c * cylinder.lean_x + s * cylinder.lean_y);
   const auto lean_y = static_cast<float>(-s * cylinder.lean_x + c * cylinder.lean_y);
   const auto level_m = static_cast<float>(rig_.simulation.scanner.height_m);
   const float beside_rad =
       leans ? std::hypot(lean_x, lean_y) * cylinder.height_m / distance_m : 0.0f;
+  const float half_rad = std::asin(std::min(1.0f, radius_m / distance_m)) + beside_rad;
   const Appearance& observation = cylinder.appearance;
   const Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
 
-  for (int u = 0; u < width_px_; ++u) {
-    if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad - beside_rad ||
-        columns_[u].azimuth_min_rad > azimuth_rad + half_rad + beside_rad) {
-      continue;
+  for_each_ray(foot.azimuth_rad, half_rad, [&](const Ray& r, std::size_t pixel) {
+    float x_m = foot.x_m, y_m = foot.y_m;
+    if (leans) {
+      const float off_m = camera_height_m + distance_m * r.slope - level_m;
+      x_m += lean_x * off_m;
+      y_m += lean_y * off_m;
     }
-    for (int v = 0; v < height_px_; ++v) {
-      const Ray& r = ray(u, v);
-      if (leans) {
-        const float off_m = camera_height_m + distance_m * r.slope - level_m;
-        x_m = foot_x_m + lean_x * off_m;
-        y_m = foot_y_m + lean_y * off_m;
-      }
-      const float along_m = x_m * r.x + y_m * r.y;
-      if (along_m <= 0.0f) continue;
-      const float across_m = x_m * r.y - y_m * r.x;  // of the axis, to the ray's right
-      const float beside = (radius_m - std::abs(across_m)) / (along_m * r.width_rad) + 0.5f;
-      if (beside <= 0.0f) continue;
-      const float inside_m = std::sqrt(std::max(0.0f, radius_m * radius_m - across_m * across_m));
-      const float t_m = along_m - inside_m;
-      const float z_m = camera_height_m + t_m * r.slope;
-      const float pixel_m = t_m * r.slope_height;
-      const float fraction = std::min(1.0f, beside) *
-                             std::clamp((top_m - z_m) / pixel_m + 0.5f, 0.0f, 1.0f) *
-                             std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
-      if (fraction <= 0.0f) continue;
-      // The normal at the point where the ray enters.
-      const float nx = (t_m * r.x - x_m) / radius_m, ny = (t_m * r.y - y_m) / radius_m;
-      const float lambert = std::max(0.0f, nx * frame.sun_x + ny * frame.sun_y);
-      const float angle_rad = std::atan2(ny, nx) + static_cast<float>(T_map_camera.yaw_rad);
-      Bgr colour =
-          surface_colour(observation, base, angle_rad, radius_m, z_m - foot_m, t_m * r.width_rad);
-      if (frame.lighting == nullptr) {
-        colour = colour * (ambient + (1.0f - ambient) * lambert);
-      } else {
-        const float lit =
-            lambert > 0.0f ? open(frame, t_m * r.x, t_m * r.y, z_m, cylinder.target) : 0.0f;
-        colour = frame.lighting->shade(linear_of(colour), lambert, lit, kUprightSky);
-      }
-      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, fraction);
-    }
-  }
+    const float along_m = x_m * r.x + y_m * r.y;
+    if (along_m <= 0.0f) return;
+    const float across_m = x_m * r.y - y_m * r.x;  // of the axis, to the ray's right
+    const float beside = (radius_m - std::abs(across_m)) / (along_m * r.width_rad) + 0.5f;
+    if (beside <= 0.0f) return;
+    const float inside_m = std::sqrt(std::max(0.0f, radius_m * radius_m - across_m * across_m));
+    const float t_m = along_m - inside_m;
+    const float z_m = camera_height_m + t_m * r.slope;
+    const float pixel_m = t_m * r.slope_height;
+    const float fraction = std::min(1.0f, beside) *
+                           std::clamp((top_m - z_m) / pixel_m + 0.5f, 0.0f, 1.0f) *
+                           std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
+    if (fraction <= 0.0f) return;
+    // The normal at the point where the ray enters.
+    const float nx = (t_m * r.x - x_m) / radius_m, ny = (t_m * r.y - y_m) / radius_m;
+    const float lambert = std::max(0.0f, nx * frame.sun_x + ny * frame.sun_y);
+    const float angle_rad = std::atan2(ny, nx) + static_cast<float>(T_map_camera.yaw_rad);
+    const Bgr colour =
+        surface_colour(observation, base, angle_rad, radius_m, z_m - foot_m, t_m * r.width_rad);
+    blend(frame.picture, pixel,
+          lit(frame, colour, lambert, {t_m * r.x, t_m * r.y, z_m}, cylinder.target), fraction);
+  });
 }
 
 Picture CameraRenderer::draw(const World& world, const Pose2& T_map_base,
@@ -331,6 +372,93 @@ vision::Image CameraRenderer::take(const World& world, const Pose2& T_map_base, 
   pixels.bgr.assign(bytes.datastart, bytes.dataend);
   image.data = vision::write_jpeg(pixels, config.jpeg_quality, vision::JpegTransform::kExact);
   return image;
+}
+
+void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
+  const Bearing middle = bearing_of(frame.T_map_camera, box.x_m, box.y_m);
+  const auto reach_m = static_cast<float>(0.5 * std::hypot(box.length_m, box.width_m));
+  if (middle.distance_m > kFarthest_m || middle.distance_m - reach_m < kNearest_m) return;
+  const float half_rad = std::asin(std::min(1.0f, reach_m / middle.distance_m));
+  const double yaw_rad = box.yaw_rad - frame.T_map_camera.yaw_rad;
+  const auto c = static_cast<float>(std::cos(yaw_rad)), s = static_cast<float>(std::sin(yaw_rad));
+  const std::array<float, 2> half{static_cast<float>(0.5 * box.length_m),
+                                  static_cast<float>(0.5 * box.width_m)};
+  const std::array<float, 2> from{-(c * middle.x_m + s * middle.y_m),
+                                  -(-s * middle.x_m + c * middle.y_m)};
+  const auto camera_m = static_cast<float>(camera_height_m_);
+  const auto foot_m = static_cast<float>(box.base_m);
+  const auto top_m = static_cast<float>(box.base_m + box.height_m);
+  const Appearance& observation = box.appearance;
+  const Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
+
+  for_each_ray(middle.azimuth_rad, half_rad, [&](const Ray& r, std::size_t pixel) {
+    const std::array<float, 2> towards{c * r.x + s * r.y, -s * r.x + c * r.y};
+    const Crossing crossing = cross(from, towards, half);
+    if (!crossing.hit) return;
+    float t_m = crossing.enter_m;
+    float z_m = camera_m + t_m * r.slope;
+    float facing = 0.0f, along_m = 0.0f, up_m = z_m - foot_m, fraction = 1.0f;
+    const float pixel_m = t_m * r.slope_height;
+    if (z_m > top_m) {
+      // The ray passes over the near edge and meets the top.
+      if (r.slope >= 0.0f) return;
+      t_m = (top_m - camera_m) / r.slope;
+      if (t_m > crossing.leave_m) return;
+      z_m = top_m;
+      facing = frame.sun_z;
+      along_m = from[0] + t_m * towards[0];
+      up_m = from[1] + t_m * towards[1];
+    } else {
+      fraction = std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
+      if (fraction <= 0.0f) return;
+      const std::size_t other = 1 - crossing.axis;
+      along_m = from[other] + t_m * towards[other];
+      const float nx = crossing.axis == 0 ? c : -s, ny = crossing.axis == 0 ? s : c;
+      facing = std::max(0.0f, crossing.sign * (nx * frame.sun_x + ny * frame.sun_y));
+    }
+    const Bgr colour = surface_colour(observation, base, along_m, 1.0f, up_m, t_m * r.width_rad);
+    blend(frame.picture, pixel, lit(frame, colour, facing, {t_m * r.x, t_m * r.y, z_m}, box.target),
+          fraction);
+  });
+}
+
+void CameraRenderer::draw_crown(const Frame& frame, const Crown& crown) const {
+  constexpr float kFarthestCrown_m = 30.0f;
+  const Bearing middle = bearing_of(frame.T_map_camera, crown.x_m, crown.y_m);
+  const float distance_m = middle.distance_m;
+  const auto radius_m = static_cast<float>(crown.radius_m);
+  if (distance_m > kFarthestCrown_m || distance_m < radius_m) return;
+  const float half_rad = std::asin(std::min(1.0f, radius_m / distance_m));
+  const float right_x = middle.y_m / distance_m, right_y = -middle.x_m / distance_m;
+  const float up_m = static_cast<float>(crown.z_m - camera_height_m_);
+  const Appearance& observation = crown.appearance;
+  Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
+  if (frame.lighting != nullptr) base = linear_of(base);
+  const auto ambient = static_cast<float>(frame.world.ambient);
+
+  for_each_ray(middle.azimuth_rad, half_rad, [&](const Ray& r, std::size_t pixel) {
+    const float along_m = middle.x_m * r.x + middle.y_m * r.y;
+    if (along_m <= 0.0f) return;
+    const float across = (middle.x_m * r.y - middle.y_m * r.x) / radius_m;  // to the left
+    const float above = (along_m * r.slope - up_m) / radius_m;
+    const float off2 = across * across + above * above;
+    if (off2 >= 1.0f) return;
+    const float a_m = across * radius_m, b_m = above * radius_m;
+    const float leaves = 0.6f * value_noise(a_m * 18.0f, b_m * 18.0f, observation.texture_seed) +
+                         0.4f * value_noise(a_m * 5.0f, b_m * 5.0f, observation.texture_seed + 1);
+    const float dense = static_cast<float>(crown.foliage) * (1.3f - 0.9f * off2);
+    const float fraction = std::clamp(2.5f * (leaves + 2.0f * dense - 1.0f) + 0.5f, 0.0f, 1.0f);
+    if (fraction <= 0.0f) return;
+    const float front = std::sqrt(1.0f - off2);
+    const float nx = -front * r.x - across * right_x, ny = -front * r.y - across * right_y;
+    const float facing = std::max(0.0f, nx * frame.sun_x + ny * frame.sun_y + above * frame.sun_z);
+    const float gaps = std::clamp(0.55f + 0.45f * leaves, 0.0f, 1.0f);
+    const Bgr colour =
+        frame.lighting == nullptr
+            ? base * (gaps * (ambient + (1.0f - ambient) * facing))
+            : frame.lighting->shade(base, 0.3f + 0.7f * facing, gaps, gaps * (0.6f + 0.3f * above));
+    blend(frame.picture, pixel, colour, fraction);
+  });
 }
 
 }  // namespace orchard::simulation

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
 #include "simulation/random.hpp"
 #include "simulation/scene/scene.hpp"
-#include "simulation/scene/tube_scene.hpp"
 #include "simulation/sensor/lighting.hpp"
 #include "simulation/sensor/shadow_map.hpp"
+#include "simulation/simulation_config.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {
@@ -71,6 +72,19 @@ class CameraRenderer {
     Picture& picture;
   };
 
+  /// A point relative to the camera's foot, in base axes; its azimuth is relative to axis_rad_.
+  struct Bearing {
+    float x_m, y_m, distance_m, azimuth_rad;
+  };
+  Bearing bearing_of(const Pose2& T_map_camera, double x_m, double y_m) const;
+
+  /// Calls `function(ray, pixel)` for all pixels of the columns within an angle of an azimuth.
+  template <class Function>
+  void for_each_ray(float azimuth_rad, float half_rad, Function function) const;
+
+  /// Light from a surface at a point relative to the camera's foot; `facing` as in Lighting.
+  Bgr lit(const Frame& frame, const Bgr& colour, float facing, const Eigen::Vector3f& p,
+          int target) const;
   void draw_background(const Frame& frame) const;
   void draw_cylinder(const Frame& frame, const Cylinder& cylinder) const;
   void draw_box(const Frame& frame, const Box& box) const;
@@ -80,7 +94,6 @@ class CameraRenderer {
   static void blend(Picture& picture, std::size_t pixel, const Bgr& colour, float fraction);
   double sun_azimuth_rad(const World& world) const;
   double sun_elevation_rad(const World& world) const;
-  const Ray& ray(int u, int v) const { return rays_[static_cast<std::size_t>(v) * width_px_ + u]; }
 
   RigConfig rig_;
   int width_px_ = 0;

@@ -21,10 +21,13 @@ double drift(double per_min, double amplitude, double period_s, double time_s) {
   return per_min * time_s / 60.0 + amplitude * std::sin(2.0 * geometry::kPi * time_s / period_s);
 }
 
-/// Response of a first-order control with a time constant to a signal, at `time_s`.
-template <class Signal>
-double lagged(const Signal& signal, double lag_s, double time_s) {
-  if (lag_s <= 0.0 || time_s <= 0.0) return signal(time_s);
+Bgr to_bgr(const std::array<double, 3>& gains) {
+  return {static_cast<float>(gains[0]), static_cast<float>(gains[1]), static_cast<float>(gains[2])};
+}
+
+/// Response of a first-order control with a time constant to the light, at `time_s`.
+double lagged_ev(const LightConfig& light, double lag_s, double time_s) {
+  if (lag_s <= 0.0 || time_s <= 0.0) return light_ev(light, time_s);
   // The last twenty time constants contain all but 2e-9 of the response.
   constexpr int kSteps = 400;
   const double step_s = 20.0 * lag_s / kSteps;
@@ -32,14 +35,10 @@ double lagged(const Signal& signal, double lag_s, double time_s) {
   for (int i = 0; i < kSteps; ++i) {
     const double ago_s = (i + 0.5) * step_s;
     const double weight = std::exp(-ago_s / lag_s);
-    sum += weight * signal(std::max(0.0, time_s - ago_s));
+    sum += weight * light_ev(light, std::max(0.0, time_s - ago_s));
     weights += weight;
   }
   return sum / weights;
-}
-
-Bgr to_bgr(const std::array<double, 3>& gains) {
-  return {static_cast<float>(gains[0]), static_cast<float>(gains[1]), static_cast<float>(gains[2])};
 }
 
 }  // namespace
@@ -60,8 +59,8 @@ double light_ev(const LightConfig& light, double time_s) {
 }
 
 double light_temperature_k(const LightConfig& light, double time_s) {
-  const double k = light.temperature_k + drift(light.drift_k_per_min, light.drift_k_amplitude,
-                                               light.drift_period_s, time_s);
+  const double k =
+      light.temperature_k + drift(0.0, light.drift_k_amplitude, light.drift_period_s, time_s);
   return std::clamp(k, 1500.0, 15000.0);
 }
 
@@ -82,15 +81,10 @@ float linear_of(float stored) {
 Lighting::Lighting(const LightConfig& light, const CameraResponseConfig& response, double time_s)
     : sun_fraction_(static_cast<float>(light.sun_fraction)),
       vignetting_(static_cast<float>(response.vignetting)) {
-  const double lag_s = response.auto_exposure_lag_s;
-  const double followed_ev =
-      lagged([&](double t_s) { return light_ev(light, t_s); }, lag_s, time_s);
-  const double followed_k =
-      lagged([&](double t_s) { return light_temperature_k(light, t_s); }, lag_s, time_s);
+  const double followed_ev = lagged_ev(light, response.auto_exposure_lag_s, time_s);
   const double ev =
       response.exposure_ev + light_ev(light, time_s) - response.auto_exposure * followed_ev;
-  const double balance_k =
-      response.white_balance_k + response.auto_white_balance * (followed_k - light.temperature_k);
+  const double balance_k = response.white_balance_k;
   const double temperature_k = light_temperature_k(light, time_s);
   gain_ = static_cast<float>(std::exp2(ev));
   sun_ = to_bgr(light_gains(temperature_k, balance_k));

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "simulation/sensor/light_config.hpp"
+#include "simulation/simulation_config.hpp"
 #include "simulation/texture.hpp"
 
 namespace orchard::simulation {

@@ -2,10 +2,13 @@
 #include "simulation/sensor/motion_sensors.hpp"
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "geometry/angles.hpp"
+#include "simulation/random.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -16,6 +19,33 @@ std::int8_t quality_of(double sd_m) {
   if (sd_m <= 0.5) return 5;   // RTK, float
   return sd_m <= 1.5 ? 2 : 1;  // differential, single
 }
+
+constexpr double kGravity_mps2 = 9.80665;
+
+/// A value at a time, of one value per second; 0 of none.
+double interpolated(const std::vector<double>& seconds, double time_s) {
+  if (seconds.empty()) return 0.0;
+  const double at = std::clamp(time_s, 0.0, static_cast<double>(seconds.size() - 1));
+  const auto before = static_cast<std::size_t>(at);
+  const std::size_t after = std::min(before + 1, seconds.size() - 1);
+  const double fraction = at - static_cast<double>(before);
+  return (1.0 - fraction) * seconds[before] + fraction * seconds[after];
+}
+
+double squared(double value) { return value * value; }
+
+constexpr double kDay_s = 86400.0;
+
+/// Steps of the slowly varying error per time constant; linear interpolation between them.
+constexpr double kStepsPerTime = 10.0;
+
+/// Max number of steps per day.
+constexpr double kStepsMax = 1e6;
+
+enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander };
+
+/// Draws a duration from the exponential distribution.
+double exponential(double mean, Random& random) { return -mean * std::log(1.0 - random.uniform()); }
 
 }  // namespace
 
@@ -30,7 +60,7 @@ OdometryErrors draw_odometry_errors(const MotionConfig& config, const WheelsConf
 
 pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double period_s,
                                  const OdometryErrors& errors, const MotionConfig& config,
-                                 const WheelsConfig& wheels, double turn_slip, Random& random) {
+                                 const WheelsConfig& wheels, Random& random) {
   const Pose2 before = path.pose_at(time_s - period_s);
   const Pose2 now = path.pose_at(time_s);
   const double turn_rad = geometry::wrap_angle_rad(now.yaw_rad - before.yaw_rad);
@@ -41,25 +71,20 @@ pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double pe
       std::abs(half_rad) < 1e-9 ? chord_m : chord_m * half_rad / std::sin(half_rad);
 
   const bool carried = path.carried_at(time_s) || path.carried_at(time_s - period_s);
-  const double slip = std::abs(turn_rad) > 1e-9 ? turn_slip : 0.0;
   const double speed_mps = carried ? 0.0 : arc_m / period_s;
   const double yaw_rate_radps = carried ? 0.0 : turn_rad / period_s;
 
   pose::Odometry odometry;
-  odometry.speed_mps = speed_mps * (1.0 + errors.speed_scale) * (1.0 + slip) +
-                       random.normal(0.0, config.speed_sd_mps);
-  odometry.yaw_rate_radps = yaw_rate_radps * (1.0 + errors.yaw_rate_scale) * (1.0 + slip) +
+  odometry.speed_mps =
+      speed_mps * (1.0 + errors.speed_scale) + random.normal(0.0, config.speed_sd_mps);
+  odometry.yaw_rate_radps = yaw_rate_radps * (1.0 + errors.yaw_rate_scale) +
                             errors.yaw_rate_bias_radps +
                             random.normal(0.0, config.yaw_rate_sd_radps);
   if (!wheels.states_covariance) return odometry;
-  const double slip_sd = slip != 0.0 ? wheels.turn_slip_sd : 0.0;
-  const auto squared = [](double value) { return value * value; };
   odometry.covariance = {
-      squared(config.speed_sd_mps) +
-          squared(std::hypot(config.speed_scale_sd, slip_sd) * speed_mps),
-      0.0,
+      squared(config.speed_sd_mps) + squared(config.speed_scale_sd * speed_mps), 0.0,
       squared(config.yaw_rate_sd_radps) + squared(config.yaw_rate_bias_sd_radps) +
-          squared(std::hypot(wheels.yaw_rate_scale_sd, slip_sd) * yaw_rate_radps)};
+          squared(wheels.yaw_rate_scale_sd * yaw_rate_radps)};
   return odometry;
 }
 
@@ -86,6 +111,225 @@ pose::PoseFix simulate_fix(const Pose2& T_map_base, double sd_m, double yaw_sd_r
   fix.covariance = {sd_m * sd_m, 0.0, 0.0, sd_m * sd_m, 0.0, yaw_sd_rad * yaw_sd_rad};
   fix.has_yaw = true;
   return fix;
+}
+
+WheelErrorModel::WheelErrorModel(std::uint64_t seed, const WheelsConfig& config, double duration_s)
+    : seed_(seed), config_(config) {
+  if (config.bias_wander_sd_radps <= 0.0) return;
+  // An Ornstein-Uhlenbeck process in its exact discrete form.
+  Random random(seed, Stream::kWheelBias);
+  const double kept = std::exp(-1.0 / config.bias_wander_s);
+  const double fresh_sd = config.bias_wander_sd_radps * std::sqrt(1.0 - kept * kept);
+  double bias_radps = random.normal(0.0, config.bias_wander_sd_radps);
+  for (double t_s = 0.0; t_s <= duration_s + 2.0; t_s += 1.0) {
+    bias_radps_.push_back(bias_radps);
+    bias_radps = kept * bias_radps + random.normal(0.0, fresh_sd);
+  }
+}
+
+/// Smooth noise over the ground with standard deviation 1: patches of surface_m.
+double WheelErrorModel::ground(std::uint64_t layer, double x_m, double y_m) const {
+  const double u = x_m / config_.surface_m, w = y_m / config_.surface_m;
+  const double i = std::floor(u), j = std::floor(w);
+  double sum = 0.0, weight2 = 0.0;
+  for (const double di : {0.0, 1.0}) {
+    for (const double dj : {0.0, 1.0}) {
+      const double weight = (1.0 - std::abs(u - i - di)) * (1.0 - std::abs(w - j - dj));
+      const auto cell =
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(i + di)) * 0x9e3779b1u ^
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(j + dj)) * 0x85ebca77u;
+      sum += weight * Random(seed_ ^ (layer << 56), Stream::kSurface, cell).normal();
+      weight2 += weight * weight;
+    }
+  }
+  return sum / std::sqrt(weight2);
+}
+
+OdometryErrors WheelErrorModel::errors_at(const OdometryErrors& run, double time_s,
+                                          const Pose2& T_map_base) const {
+  OdometryErrors errors = run;
+  if (config_.surface_slip_sd > 0.0) {
+    errors.speed_scale += config_.surface_slip_sd * ground(0, T_map_base.x_m, T_map_base.y_m);
+  }
+  if (config_.surface_turn_slip_sd > 0.0) {
+    errors.yaw_rate_scale +=
+        config_.surface_turn_slip_sd * ground(1, T_map_base.x_m, T_map_base.y_m);
+  }
+  if (config_.load_sd > 0.0) {
+    const auto load = static_cast<std::uint64_t>(std::max(0.0, time_s) / config_.load_every_s);
+    errors.speed_scale += Random(seed_, Stream::kLoad, load).normal(0.0, config_.load_sd);
+  }
+  errors.yaw_rate_bias_radps += interpolated(bias_radps_, time_s);
+  return errors;
+}
+
+InertialUnit::InertialUnit(std::uint64_t seed, const ImuConfig& config, double duration_s)
+    : seed_(seed), config_(config) {
+  Random random(seed, Stream::kImuRun);
+  double bias_radps = random.normal(0.0, config.yaw_rate_bias_sd_radps);
+  for (double& bias_mps2 : acceleration_bias_mps2_) {
+    bias_mps2 = random.normal(0.0, config.acceleration_bias_sd_mps2);
+  }
+  yaw_bias_rad_ = random.normal(0.0, config.yaw_bias_sd_rad);
+  if (config.rate_hz <= 0.0) return;
+  const double step_sd_radps = config.yaw_rate_walk;
+  for (double t_s = 0.0; t_s < duration_s + 2.0; t_s += 1.0) {
+    bias_radps_.push_back(bias_radps);
+    bias_radps += random.normal(0.0, step_sd_radps);
+  }
+}
+
+double InertialUnit::yaw_rate_bias_radps(double time_s) const {
+  return interpolated(bias_radps_, time_s);
+}
+
+pose::Imu InertialUnit::sample(const DrivePath& path, std::int64_t index, double time_s) const {
+  Random random(seed_, Stream::kImu, static_cast<std::uint64_t>(index));
+  const double yaw_rate_radps = path.yaw_rate_at(time_s);
+  const bool drives = !path.carried_at(time_s) && time_s >= 0.0 && time_s < path.duration_s();
+  pose::Imu imu;
+  for (double& rate_radps : imu.angular_rate_radps) {
+    rate_radps = random.normal(0.0, config_.angular_rate_sd_radps);
+  }
+  imu.angular_rate_radps[2] += yaw_rate_radps + yaw_rate_bias_radps(time_s);
+  for (double& force_mps2 : imu.acceleration_mps2) {
+    force_mps2 = random.normal(0.0, config_.acceleration_sd_mps2);
+  }
+  imu.acceleration_mps2[0] += acceleration_bias_mps2_[0];
+  // Centripetal acceleration at constant speed on arcs.
+  imu.acceleration_mps2[1] +=
+      acceleration_bias_mps2_[1] + (drives ? path.speed_mps() * yaw_rate_radps : 0.0);
+  imu.acceleration_mps2[2] += kGravity_mps2;
+  imu.angular_rate_variance = squared(config_.angular_rate_sd_radps);
+  imu.acceleration_variance = squared(config_.acceleration_sd_mps2);
+  if (config_.orientation) {
+    const double sd_rad = config_.orientation_sd_rad;
+    imu.has_orientation = true;
+    imu.roll_rad = random.normal(0.0, sd_rad);
+    imu.pitch_rad = random.normal(0.0, sd_rad);
+    imu.yaw_rad = geometry::wrap_angle_rad(path.pose_at(time_s).yaw_rad + yaw_bias_rad_ +
+                                           random.normal(0.0, sd_rad));
+    imu.orientation_variance = squared(sd_rad) + squared(config_.yaw_bias_sd_rad);
+  }
+  return imu;
+}
+
+ReceiverSky::ReceiverSky(std::uint64_t seed, const SkyConfig& config) : config_(config) {
+  const auto no_offset = [](Random&) { return Eigen::Vector2d(0.0, 0.0); };
+  if (config.gap_every_s > 0.0) {
+    const auto length_s = [&](Random& random) {  // uniform in its logarithm
+      return config.gap_min_s * std::pow(config.gap_max_s / config.gap_min_s, random.uniform());
+    };
+    gaps_ = draw_episodes(seed, kGaps, config.gap_every_s, length_s, no_offset);
+  }
+  if (config.burst_s > 0.0 && config.pause_s > 0.0) {
+    const auto length_s = [&](Random& random) { return exponential(config.pause_s, random); };
+    pauses_ = draw_episodes(seed, kPauses, config.burst_s, length_s, no_offset);
+  }
+  if (config.multipath_fraction > 0.0) {
+    const double between_s =
+        config.multipath_for_s * (1.0 - config.multipath_fraction) / config.multipath_fraction;
+    const auto length_s = [&](Random& random) {
+      return exponential(config.multipath_for_s, random);
+    };
+    const auto offset_m = [&](Random& random) {
+      const double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
+      const double length_m = exponential(config.multipath_m, random);
+      return Eigen::Vector2d(length_m *
+                             Eigen::Vector2d(std::cos(towards_rad), std::sin(towards_rad)));
+    };
+    reflections_ = draw_episodes(seed, kReflections, between_s, length_s, offset_m);
+  }
+  if (config.wander_sd_m > 0.0) {
+    Random random(seed, Stream::kGnssSky, kWander);
+    const double steps = std::min(kStepsMax, kDay_s * kStepsPerTime / config.wander_time_s);
+    const double memory = std::exp(-kDay_s / steps / config.wander_time_s);
+    const double fresh = std::sqrt(1.0 - memory * memory);
+    Eigen::Vector2d now;
+    now << random.normal(), random.normal();
+    for (int i = 0; i <= static_cast<int>(steps); ++i) {
+      wander_.push_back(now);
+      const double east = random.normal(), north = random.normal();
+      now = memory * now + fresh * Eigen::Vector2d(east, north);
+    }
+  }
+}
+
+/// The episodes of a day, exponentially distributed between each other.
+template <class Length, class Offset>
+std::vector<ReceiverSky::Episode> ReceiverSky::draw_episodes(std::uint64_t seed, std::uint64_t part,
+                                                             double between_s, Length length_s,
+                                                             Offset offset_m) {
+  Random random(seed, Stream::kGnssSky, part);
+  std::vector<Episode> episodes;
+  for (double time_s = exponential(between_s, random); time_s < kDay_s;) {
+    const double end_s = time_s + length_s(random);
+    episodes.push_back({time_s, end_s, offset_m(random)});
+    time_s = end_s + exponential(between_s, random);
+  }
+  return episodes;
+}
+
+const ReceiverSky::Episode* ReceiverSky::at(const std::vector<Episode>& episodes, double time_s) {
+  time_s = std::fmod(std::max(time_s, 0.0), kDay_s);
+  const auto after =
+      std::upper_bound(episodes.begin(), episodes.end(), time_s,
+                       [](double time, const Episode& episode) { return time < episode.begin_s; });
+  if (after == episodes.begin() || time_s >= std::prev(after)->end_s) return nullptr;
+  return &*std::prev(after);
+}
+
+bool ReceiverSky::is_open(double time_s) const {
+  return at(gaps_, time_s) == nullptr && at(pauses_, time_s) == nullptr;
+}
+
+bool ReceiverSky::is_reflected(double time_s) const { return at(reflections_, time_s) != nullptr; }
+
+Eigen::Vector2d ReceiverSky::error_m(double time_s) const {
+  Eigen::Vector2d error = Eigen::Vector2d::Zero();
+  if (const Episode* reflection = at(reflections_, time_s)) error += reflection->offset_m;
+  if (!wander_.empty()) {
+    const double last = static_cast<double>(wander_.size() - 1);
+    const double step = std::fmod(std::max(time_s, 0.0), kDay_s) / kDay_s * last;
+    const auto before = static_cast<std::size_t>(std::min(step, last - 1.0));
+    const double part = step - static_cast<double>(before);
+    error += config_.wander_sd_m * ((1.0 - part) * wander_[before] + part * wander_[before + 1]);
+  }
+  return error;
+}
+
+SatelliteReceiver::SatelliteReceiver(std::uint64_t seed, const SimulationConfig& config)
+    : seed_(seed), config_(config.gnss), motion_(config.motion), sky_(seed, config.gnss.sky) {}
+
+std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int64_t index,
+                                                 double time_s) const {
+  if (config_.outage.number_at(time_s) >= 0 || !sky_.is_open(time_s)) return std::nullopt;
+  if (const int freeze = config_.freeze.number_at(time_s); freeze >= 0) {
+    // Repeat the last fix before, with its noise.
+    const double rate_hz = motion_.gnss_rate_hz;
+    const double since_s = time_s - config_.freeze.begin_s(freeze);
+    const auto back =
+        std::min(index, static_cast<std::int64_t>(std::ceil(since_s * rate_hz - 1e-6)));
+    index -= back;
+    time_s -= static_cast<double>(back) / rate_hz;
+  }
+  const Pose2 T_map_base = path.pose_at(time_s);
+  const Pose2 antenna = compose(T_map_base, {config_.antenna_m[0], config_.antenna_m[1], 0.0});
+  double x_m = antenna.x_m, y_m = antenna.y_m;
+  const double sd_m = motion_.gnss_sd_m;
+  const double stated_sd_m =
+      config_.stated_sd_m > 0.0 ? config_.stated_sd_m : std::hypot(sd_m, sky_.wander_sd_m());
+  if (const int jump = config_.jump.number_at(time_s); jump >= 0) {
+    const double towards_rad = Random(seed_, Stream::kGnssJump, static_cast<std::uint64_t>(jump))
+                                   .uniform(-geometry::kPi, geometry::kPi);
+    x_m += config_.jump_m * std::cos(towards_rad);
+    y_m += config_.jump_m * std::sin(towards_rad);
+  }
+  const Eigen::Vector2d sky_m = sky_.error_m(time_s);
+  x_m += sky_m.x();
+  y_m += sky_m.y();
+  Random random(seed_, Stream::kGnss, static_cast<std::uint64_t>(index));
+  return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random);
 }
 
 }  // namespace orchard::simulation

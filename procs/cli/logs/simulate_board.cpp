@@ -13,7 +13,7 @@
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_writer.hpp"
-#include "simulation/scene/board_scene.hpp"
+#include "simulation/board_scene.hpp"
 #include "simulation/simulator.hpp"
 
 namespace orchard::cli {

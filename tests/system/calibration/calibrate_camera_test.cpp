@@ -11,7 +11,7 @@
 #include "bus/messages/codec.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_writer.hpp"
-#include "simulation/scene/board_picture.hpp"
+#include "simulation/board_scene.hpp"
 #include "system/calibration/run_orchard.hpp"
 #include "worlds/board_motion.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "simulation/scene/orchard_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 #include "simulation/sensor/camera_renderer.hpp"
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/sensor/motion_sensors.hpp"
@@ -131,7 +131,7 @@ RobotRun drive(std::uint64_t seed, const io::Config& config, const CameraTiming&
     Random random(seed, Stream::kOdometry, static_cast<std::uint64_t>(i));
     auto odometry =
         simulation::simulate_odometry(*bench.path, 0.02 * i, 0.02, errors, config.simulation.motion,
-                                      config.simulation.wheels, 0.0, random);
+                                      config.simulation.wheels, random);
     odometry.utime = kStart_us + i * kOdometryPeriod_us;
     odometry.seq = i;
     messages.emplace_back(odometry);

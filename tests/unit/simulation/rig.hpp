@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "simulation/scene/tube_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace orchard::simulation {
 

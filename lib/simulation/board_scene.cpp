@@ -1,22 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/board_scene.hpp"
+#include "simulation/board_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "geometry/camera_model.hpp"
+#include "simulation/sensor/laser_model.hpp"
 #include "simulation/simulator.hpp"
+#include "simulation/texture.hpp"
 #include "vision/jpeg_writer.hpp"
 
 namespace orchard::simulation {
 namespace {
 
-constexpr double kNoHit = std::numeric_limits<double>::infinity();
-constexpr int kNumRays = 9;              ///< across a spot
-constexpr double kSameSurface_m = 0.10;  ///< max range difference of rays on one surface
+constexpr double kBackOfBoard = 0.45;  ///< fraction of the light that bare wood reflects
+
+/// Grey levels of the background: soft stains and hard edges.
+float clutter_at(float x, float y, std::uint32_t seed, float contrast) {
+  const float soft = value_noise(x * 3.0f, y * 3.0f, seed);
+  const float fine = value_noise(x * 17.0f, y * 17.0f, seed + 1);
+  const float hard = value_noise(x * 5.0f, y * 2.0f, seed + 2) > 0.15f ? 1.0f : -0.4f;
+  return 105.0f + contrast * (0.6f * soft + 0.25f * fine + 0.6f * hard);
+}
+
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
 
 Eigen::Isometry3d isometry(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
@@ -26,79 +36,55 @@ Eigen::Isometry3d isometry(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   return T;
 }
 
-struct Wall {
-  Eigen::Vector2d from_m, to_m;
-};
+enum Target { kBoard, kLeftLeg, kRightLeg, kRoom, kNumTargets };
 
-/// The room and a cupboard in it, laser frame.
-const std::vector<Wall>& room() {
-  static const std::vector<Wall> walls{
-      {{3.1, -2.6}, {3.3, 2.7}},   {{3.3, 2.7}, {-2.0, 2.9}}, {{-2.0, 2.9}, {-2.1, -2.5}},
-      {{-2.1, -2.5}, {3.1, -2.6}}, {{2.2, 1.4}, {2.35, 2.0}}, {{2.35, 2.0}, {2.9, 1.9}},
-  };
-  return walls;
+/// A thin upright wall between two points of the scan plane.
+Box wall(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m, Target target) {
+  const Eigen::Vector2d along_m = to_m - from_m;
+  Box box;
+  box.x_m = 0.5 * (from_m.x() + to_m.x());
+  box.y_m = 0.5 * (from_m.y() + to_m.y());
+  box.yaw_rad = std::atan2(along_m.y(), along_m.x());
+  box.length_m = along_m.norm();
+  box.width_m = 1e-6;
+  box.height_m = 10.0;
+  box.target = target;
+  return box;
 }
 
-double ray_wall(const Eigen::Vector2d& ray, const Wall& wall) {
-  const Eigen::Vector2d along = wall.to_m - wall.from_m;
-  const double cross = ray.x() * along.y() - ray.y() * along.x();
-  if (std::abs(cross) < 1e-12) return kNoHit;
-  const double range_m = (wall.from_m.x() * along.y() - wall.from_m.y() * along.x()) / cross;
-  const double fraction = (wall.from_m.x() * ray.y() - wall.from_m.y() * ray.x()) / cross;
-  return range_m > 0.0 && fraction >= 0.0 && fraction <= 1.0 ? range_m : kNoHit;
+/// The walls of a room and a cupboard in it, laser frame.
+World room() {
+  World world;
+  world.num_targets = kNumTargets;
+  const std::vector<Eigen::Vector2d> walls{{3.1, -2.6}, {3.3, 2.7}, {-2.0, 2.9}, {-2.1, -2.5}};
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    world.boxes.push_back(wall(walls[i], walls[(i + 1) % walls.size()], kRoom));
+  }
+  world.boxes.push_back(wall({2.2, 1.4}, {2.35, 2.0}, kRoom));
+  world.boxes.push_back(wall({2.35, 2.0}, {2.9, 1.9}, kRoom));
+  return world;
 }
 
-double ray_leg(const Eigen::Vector2d& ray, const Eigen::Vector2d& centre, double radius_m) {
-  const double along_m = ray.dot(centre);
-  const double across_m = ray.x() * centre.y() - ray.y() * centre.x();
-  const double inside = radius_m * radius_m - across_m * across_m;
-  return inside < 0.0 || along_m <= 0.0 ? kNoHit : along_m - std::sqrt(inside);
-}
-
-/// Range at which a ray of the scan plane meets the board.
-double ray_board(const Eigen::Vector2d& ray, const Eigen::Isometry3d& T_board_laser,
-                 const calibration::BoardOutline& outline) {
-  const Eigen::Vector3d origin = T_board_laser.translation();
-  const Eigen::Vector3d direction = T_board_laser.linear() * Eigen::Vector3d(ray.x(), ray.y(), 0);
-  if (std::abs(direction.z()) < 1e-9) return kNoHit;
-  const double range_m = -origin.z() / direction.z();
-  if (range_m <= 0.0) return kNoHit;
-  const Eigen::Vector3d p = origin + range_m * direction;
-  const bool on = p.x() >= outline.x_min_m && p.x() <= outline.x_max_m &&
-                  p.y() >= outline.y_min_m && p.y() <= outline.y_max_m;
-  return on ? range_m : kNoHit;
-}
-
-enum Surface { kBoard, kLeftLeg, kRightLeg, kRoom, kNumSurfaces };
-
-struct Hit {
-  double range_m = kNoHit;
-  int surface = kRoom;
-};
-
-/// Range measured by a spot: of the surface that fills more than half of it, or a mixture of two.
-Hit read_spot(const std::array<Hit, kNumRays>& rays, bool mixes) {
-  const Hit nearest = *std::min_element(
-      rays.begin(), rays.end(), [](const Hit& a, const Hit& b) { return a.range_m < b.range_m; });
-  double near_sum_m = 0.0, far_sum_m = 0.0;
-  int num_near = 0, num_far = 0, far_surface = kRoom;
-  for (const Hit& ray : rays) {
-    if (ray.range_m == kNoHit) continue;
-    if (ray.range_m < nearest.range_m + kSameSurface_m) {
-      near_sum_m += ray.range_m;
-      ++num_near;
-    } else {
-      far_sum_m += ray.range_m;
-      far_surface = ray.surface;
-      ++num_far;
+/// Where the scan plane cuts the outline of the board: two points in the laser frame, or none.
+std::vector<Eigen::Vector2d> cut_by_scan(const Eigen::Isometry3d& T_laser_board,
+                                         const calibration::BoardOutline& o) {
+  const Eigen::Vector3d corners[] = {{o.x_min_m, o.y_min_m, 0},
+                                     {o.x_max_m, o.y_min_m, 0},
+                                     {o.x_max_m, o.y_max_m, 0},
+                                     {o.x_min_m, o.y_max_m, 0}};
+  std::vector<Eigen::Vector2d> cut;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d a = T_laser_board * corners[i], b = T_laser_board * corners[(i + 1) % 4];
+    if ((a.z() > 0.0) != (b.z() > 0.0)) {
+      cut.emplace_back((a + a.z() / (a.z() - b.z()) * (b - a)).head<2>());
     }
   }
-  if (mixes && num_near > kNumRays / 4 && num_far > kNumRays / 4) {
-    return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.surface};
-  }
-  if (num_near > kNumRays / 2) return {near_sum_m / num_near, nearest.surface};
-  if (num_far > kNumRays / 2) return {far_sum_m / num_far, far_surface};
-  return {};
+  return cut;
+}
+
+Eigen::Vector3d middle_of(const calibration::BoardOutline& outline) {
+  return {0.5 * (outline.x_min_m + outline.x_max_m), 0.5 * (outline.y_min_m + outline.y_max_m),
+          0.0};
 }
 
 calibration::BoardConfig board_of(const BoardSceneConfig& config) {
@@ -112,6 +98,89 @@ calibration::BoardConfig board_of(const BoardSceneConfig& config) {
 }
 
 }  // namespace
+
+BoardPainter::BoardPainter(const geometry::CameraIntrinsics& camera,
+                           const calibration::BoardConfig& board, const BoardPictureConfig& config)
+    : camera_(camera), pattern_(board), config_(config) {
+  const geometry::CameraModel model(camera);
+  const int n = config.samples_per_side;
+  rays_.reserve(static_cast<std::size_t>(camera.width_px) * camera.height_px * n * n);
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u) {
+      for (int i = 0; i < n * n; ++i) {
+        const double du = (i % n + 0.5) / n - 0.5, dv = (i / n + 0.5) / n - 0.5;
+        const Eigen::Vector2d ray = model.undistort({u + du, v + dv});
+        rays_.push_back({static_cast<float>(ray.x()), static_cast<float>(ray.y())});
+      }
+    }
+  }
+}
+
+calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3d>& T_camera_board,
+                                            Random& random) const {
+  const int width_px = camera_.width_px, height_px = camera_.height_px;
+  const auto seed = static_cast<std::uint32_t>(random.bits());
+  const double light_rad = random.uniform(0.0, 6.283185307179586);
+  const double exposure = random.uniform(0.85, 1.1);
+  const auto shade_x = static_cast<float>(config_.shading * std::cos(light_rad) / width_px);
+  const auto shade_y = static_cast<float>(config_.shading * std::sin(light_rad) / height_px);
+
+  // p_board = R^T (t ray - p): the ray meets the board's plane where the third component is 0.
+  Eigen::Matrix3d R_board_camera = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d camera_board = Eigen::Vector3d::Zero();  // camera position in the board frame
+  if (T_camera_board) {
+    R_board_camera = T_camera_board->linear().transpose();
+    camera_board = -(R_board_camera * T_camera_board->translation());
+  }
+  const bool front = camera_board.z() < 0.0;
+
+  cv::Mat sharp(height_px, width_px, CV_32FC1);
+  const int samples = config_.samples_per_side * config_.samples_per_side;
+  const Ray* ray = rays_.data();
+  for (int v = 0; v < height_px; ++v) {
+    for (int u = 0; u < width_px; ++u) {
+      double sum = 0.0, clutter = -1.0;  // for the background one sample per pixel is enough
+      for (int i = 0; i < samples; ++i, ++ray) {
+        double grey = -1.0;
+        if (T_camera_board) {
+          const Eigen::Vector3d d = R_board_camera * Eigen::Vector3d(ray->x, ray->y, 1.0);
+          const double t = -camera_board.z() / d.z();
+          if (t > 0.0 && std::isfinite(t)) {
+            const auto white =
+                pattern_.is_white(camera_board.x() + t * d.x(), camera_board.y() + t * d.y());
+            if (white) {
+              grey = !front ? kBackOfBoard * config_.white : *white ? config_.white : config_.black;
+            }
+          }
+        }
+        if (grey < 0.0) {
+          if (clutter < 0.0) {
+            clutter = std::max(
+                0.0f, clutter_at(ray->x, ray->y, seed, static_cast<float>(config_.clutter)));
+          }
+          grey = clutter;
+        }
+        sum += grey;
+      }
+      const double light =
+          exposure * (1.0 + shade_x * (u - 0.5 * width_px) + shade_y * (v - 0.5 * height_px));
+      sharp.at<float>(v, u) = static_cast<float>(sum / samples * light);
+    }
+  }
+  if (config_.blur_px > 0.0) {
+    cv::GaussianBlur(sharp, sharp, cv::Size(7, 7), config_.blur_px, config_.blur_px,
+                     cv::BORDER_REPLICATE);
+  }
+  calibration::GreyPicture picture{width_px, height_px, {}};
+  picture.grey.reserve(sharp.total());
+  for (int v = 0; v < height_px; ++v) {
+    for (int u = 0; u < width_px; ++u) {
+      const double level = sharp.at<float>(v, u) + random.normal(0.0, config_.noise_sd);
+      picture.grey.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(level), 0l, 255l)));
+    }
+  }
+  return picture;
+}
 
 BoardScene::BoardScene(std::uint64_t seed, const RigConfig& rig)
     : seed_(seed),
@@ -203,9 +272,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
     R = Eigen::AngleAxisd(side, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
   }
   R = R * Eigen::AngleAxisd(roll_z, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  const Eigen::Vector3d board_middle(0.5 * (outline_.x_min_m + outline_.x_max_m),
-                                     0.5 * (outline_.y_min_m + outline_.y_max_m), 0.0);
-  Eigen::Isometry3d T = isometry(R, middle - R * board_middle);
+  Eigen::Isometry3d T = isometry(R, middle - R * middle_of(outline_));
   if (config_.seen_by == BoardVisibility::kLaserOnly) return T;  // the camera looks elsewhere
   if (!wholly_in_picture(T)) {
     if (config_.seen_by != BoardVisibility::kCameraOnly) return std::nullopt;
@@ -242,57 +309,20 @@ Eigen::Isometry3d BoardScene::pose_at(double time_s, std::uint64_t index) const 
 }
 
 laser::Scan BoardScene::scan(const Eigen::Isometry3d& T_camera_board, std::uint64_t index) const {
-  const ScannerConfig& scanner = rig_.simulation.scanner;
-  Random random(seed_, Stream::kScan, index);
-  const Eigen::Isometry3d T_board_laser = T_camera_board.inverse() * T_camera_laser_;
-  const Eigen::Vector3d board_middle(0.5 * (outline_.x_min_m + outline_.x_max_m),
-                                     0.5 * (outline_.y_min_m + outline_.y_max_m), 0.0);
-  const Eigen::Vector3d middle = T_board_laser.inverse() * board_middle;
-  const Eigen::Vector2d away = middle.head<2>().normalized();
-  const Eigen::Vector2d person = middle.head<2>() + 0.5 * away;
+  const Eigen::Isometry3d T_laser_board = T_camera_laser_.inverse() * T_camera_board;
+  World world = room();
+  const auto cut = cut_by_scan(T_laser_board, outline_);
+  if (cut.size() == 2) world.boxes.push_back(wall(cut[0], cut[1], kBoard));
+  const Eigen::Vector2d middle = (T_laser_board * middle_of(outline_)).head<2>();
+  const Eigen::Vector2d away = middle.normalized();
+  const Eigen::Vector2d person = middle + 0.5 * away;
   const Eigen::Vector2d side = 0.14 * Eigen::Vector2d(-away.y(), away.x());
-
-  std::array<double, kNumSurfaces> errors{};
-  for (double& error : errors) error = random.normal(0.0, scanner.scan_sd_fraction);
-  errors[kBoard] += lasting_error_;
-
-  laser::Scan scan;
-  scan.bearing_min_rad = scanner.bearing_min_rad;
-  scan.bearing_step_rad = scanner.bearing_step_rad;
-  scan.beam_period_us = scanner.beam_period_us;
-  scan.range_min_m = scanner.range_min_m;
-  scan.range_max_m = scanner.range_max_m;
-  scan.ranges_m.assign(static_cast<std::size_t>(scanner.num_beams), 0.0f);
-  for (int beam = 0; beam < scanner.num_beams; ++beam) {
-    const bool mixes = random.uniform() < scanner.mixed_probability;
-    const bool lost = random.uniform() < scanner.dropout_probability;
-    const double noise = random.normal();
-    std::array<Hit, kNumRays> rays;
-    for (int k = 0; k < kNumRays; ++k) {
-      const double bearing_rad = scanner.bearing_min_rad + beam * scanner.bearing_step_rad +
-                                 ((k + 0.5) / kNumRays - 0.5) * scanner.spot_rad;
-      const Eigen::Vector2d ray(std::cos(bearing_rad), std::sin(bearing_rad));
-      Hit& hit = rays[static_cast<std::size_t>(k)];
-      const auto meet = [&hit](double range_m, int surface) {
-        if (range_m < hit.range_m) hit = {range_m, surface};
-      };
-      meet(ray_board(ray, T_board_laser, outline_), kBoard);
-      meet(ray_leg(ray, person + side, 0.065), kLeftLeg);
-      meet(ray_leg(ray, person - side, 0.065), kRightLeg);
-      for (const Wall& wall : room()) meet(ray_wall(ray, wall), kRoom);
-    }
-    const Hit hit = read_spot(rays, mixes);
-    if (hit.range_m == kNoHit || lost) continue;
-    const double limit_m =
-        hit.range_m < 1.0 ? scanner.limit_m : scanner.limit_fraction * hit.range_m;
-    const double error_m = errors[static_cast<std::size_t>(hit.surface)] * hit.range_m +
-                           noise * (scanner.beam_sd_m + scanner.beam_sd_fraction * hit.range_m);
-    const double range_m = hit.range_m + std::clamp(error_m, -limit_m, limit_m);
-    if (range_m < scanner.range_min_m || range_m > scanner.range_max_m) continue;
-    scan.ranges_m[static_cast<std::size_t>(beam)] =
-        static_cast<float>(std::round(range_m / scanner.resolution_m) * scanner.resolution_m);
+  for (const Target leg : {kLeftLeg, kRightLeg}) {
+    const Eigen::Vector2d p = leg == kLeftLeg ? person + side : person - side;
+    world.cylinders.push_back({p.x(), p.y(), 0.065, 10.0, 0.0, leg, {}});
   }
-  return scan;
+  Random random(seed_, Stream::kScan, index);
+  return simulate_scan(world, {Pose2{}}, rig_.simulation.scanner, {lasting_error_}, random);
 }
 
 calibration::GreyPicture BoardScene::picture(const Eigen::Isometry3d& T_camera_board,

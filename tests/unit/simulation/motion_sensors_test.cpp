@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the sensors of a block get wrong, each fault by itself.
+
 #include <gtest/gtest.h>
 
 #include <GeographicLib/LocalCartesian.hpp>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "simulation/sensor/motion_sensors.hpp"
 #include "simulation/simulator.hpp"
 #include "worlds/observation_truth.hpp"
 
@@ -75,52 +76,6 @@ TEST(BlockSensors, AntennaIsWhereItIsMounted) {
     EXPECT_NEAR(forward_m, -0.4, 1e-4);
     EXPECT_NEAR(left_m, 0.25, 1e-4);
   }
-}
-
-TEST(BlockSensors, CanopyHidesTheSameStretchesOnEveryLapAndNoHeadland) {
-  RigConfig rig = block();
-  rig.simulation.orchard.laps = 2;
-  rig.simulation.orchard.trees_per_row = 30;
-  rig.simulation.gnss.canopy_fraction = 0.4;
-  Simulator simulator(SceneKind::kOrchard, 2, rig);
-  const DrivePath path = simulator.scene().path;
-  const double lap_s = 0.5 * path.duration_s();
-  const auto fixes = fixes_of(simulator, rig);
-  std::vector<double> times;
-  int num_between_rows = 0;
-  for (const Fix& fix : fixes) {
-    times.push_back(fix.time_s);
-    const double y_m = path.pose_at(fix.time_s).y_m;
-    num_between_rows += y_m > 4.0 && y_m < 62.0;
-  }
-  int num_due = 0, num_headland = 0, num_headland_due = 0, num_all = 0;
-  for (double t_s = 0.0; t_s < path.duration_s(); t_s += kPeriod_s) {
-    const double y_m = path.pose_at(t_s).y_m;
-    num_due += y_m > 4.0 && y_m < 62.0;
-    num_headland_due += y_m < 3.9 || y_m > 62.1;
-    ++num_all;
-  }
-  for (const double t_s : times) {
-    const double y_m = path.pose_at(t_s).y_m;
-    num_headland += y_m < 3.9 || y_m > 62.1;
-    if (t_s + lap_s > path.duration_s() - 1.0 || t_s > lap_s) continue;
-    const auto next = std::lower_bound(times.begin(), times.end(), t_s + lap_s - kPeriod_s);
-    ASSERT_NE(next, times.end());
-    EXPECT_LT(*next - t_s - lap_s, 1.5 * kPeriod_s);
-  }
-  EXPECT_NEAR(num_headland, num_headland_due, 2);
-  EXPECT_NEAR(1.0 - static_cast<double>(num_between_rows) / num_due, 0.4, 0.2);
-
-  // or a worse fix that says so
-  rig.simulation.gnss.canopy_sd_m = 0.3;
-  Simulator worse(SceneKind::kOrchard, 2, rig);
-  int num_float = 0;
-  for (const Fix& fix : fixes_of(worse, rig)) {
-    const bool hidden = fix.gnss.covariance[0] > 0.05;
-    EXPECT_EQ(fix.gnss.fix_quality, hidden ? 5 : 4);
-    num_float += hidden;
-  }
-  EXPECT_EQ(num_float, num_all - static_cast<int>(times.size()));
 }
 
 TEST(BlockSensors, FixesJumpFreezeStopAndClaimTooMuch) {
@@ -206,17 +161,12 @@ TEST(BlockSensors, WheelsGetTurnsWrongAsConfigured) {
     }
     return turned_rad / -geometry::kPi - 1.0;
   };
-  WheelsConfig scale, slip;
+  WheelsConfig scale;
   scale.yaw_rate_scale_sd = 0.03;
-  slip.turn_slip_sd = 0.05;
-  double scale_sum = 0.0, slip_sum = 0.0;
+  double scale_sum = 0.0;
   constexpr int kRuns = 40;
-  for (int seed = 1; seed <= kRuns; ++seed) {
-    scale_sum += std::pow(turn_error(scale, seed), 2);
-    slip_sum += std::pow(turn_error(slip, seed), 2);
-  }
+  for (int seed = 1; seed <= kRuns; ++seed) scale_sum += std::pow(turn_error(scale, seed), 2);
   EXPECT_NEAR(std::sqrt(scale_sum / kRuns), 0.03, 0.011);
-  EXPECT_NEAR(std::sqrt(slip_sum / kRuns), 0.05, 0.018);
   EXPECT_NEAR(turn_error({}, 1), 0.0, 1e-3);
 }
 
@@ -303,23 +253,150 @@ TEST(BlockSensors, InertialUnitTurnsWithTheRobotAndWanders) {
   EXPECT_NEAR(std::sqrt(sum / 200.0), 1e-3, 2e-4);
 }
 
-TEST(BlockSensors, PeopleWalkThroughABlockAndAreSeen) {
-  RigConfig rig = block();
-  rig.simulation.orchard.num_rows = 10;
-  rig.simulation.orchard.trees_per_row = 30;
-  rig.simulation.clutter.num_people = 4;
-  rig.simulation.scanner.rate_hz = 2.0;
-  const Simulator simulator(SceneKind::kOrchard, 7, rig);
-  ASSERT_EQ(simulator.scene().people.size(), 4u);
-  const auto num_standing = static_cast<int>(simulator.truth().size());
-  std::vector<int> num_seen(4, 0);
-  for (std::int64_t scan = 0; scan < simulator.num_scans(); scan += 2) {
-    for (const TrueObservation& seen : true_observations(simulator, rig, scan)) {
-      if (seen.object >= num_standing && seen.num_beams > 0) ++num_seen[seen.object - num_standing];
+constexpr double kDay_s = 86400.0;
+
+TEST(ReceiverSky, IsOpenAndExactByDefault) {
+  const ReceiverSky sky(1, {});
+  for (double t = 0.0; t < 1000.0; t += 1.0) {
+    ASSERT_TRUE(sky.is_open(t));
+    ASSERT_EQ(sky.error_m(t).norm(), 0.0);
+  }
+}
+
+TEST(ReceiverSky, GapsLastAsLongAsConfigured) {
+  SkyConfig config;
+  config.gap_every_s = 40.0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const ReceiverSky sky(seed, config);
+    int num_gaps = 0, num_long = 0;
+    double since_s = -1.0;
+    for (double t = 0.0; t < kDay_s; t += 0.5) {
+      if (!sky.is_open(t)) {
+        if (since_s < 0.0) since_s = t;
+      } else if (since_s >= 0.0) {
+        ++num_gaps;
+        EXPECT_GE(t - since_s, 19.0);
+        num_long += t - since_s > 181.0 ? 1 : 0;
+        since_s = -1.0;
+      }
+    }
+    EXPECT_LT(num_long, 0.03 * num_gaps);  // two with less than a step between them
+    // 40 s with fixes and 72.8 s (160 / ln 9) without, in turn
+    EXPECT_NEAR(num_gaps, kDay_s / 112.8, 100.0);
+  }
+}
+
+TEST(ReceiverSky, BurstsAndPausesFractionTheTime) {
+  SkyConfig config;
+  config.burst_s = 6.0;
+  config.pause_s = 3.0;
+  const ReceiverSky sky(7, config);
+  int open = 0;
+  for (int i = 0; i < 86400; ++i) open += sky.is_open(i) ? 1 : 0;
+  EXPECT_NEAR(open / kDay_s, 6.0 / 9.0, 0.02);
+}
+
+TEST(ReceiverSky, WanderingErrorForgetsItselfInItsTime) {
+  SkyConfig config;
+  config.wander_sd_m = 2.5;
+  config.wander_time_s = 60.0;
+  const ReceiverSky sky(3, config);
+  double variance = 0.0, later = 0.0;
+  int n = 0;
+  for (double t = 0.0; t + 60.0 < kDay_s; t += 7.0) {
+    const Eigen::Vector2d now = sky.error_m(t);
+    variance += 0.5 * now.squaredNorm();
+    later += 0.5 * now.dot(sky.error_m(t + 60.0));
+    ++n;
+  }
+  EXPECT_NEAR(std::sqrt(variance / n), 2.5, 0.2);
+  EXPECT_NEAR(later / variance, std::exp(-1.0), 0.08);
+}
+
+TEST(ReceiverSky, ReflectionsTakeTheirFractionAndHoldTheirError) {
+  SkyConfig config;
+  config.multipath_fraction = 0.05;
+  const ReceiverSky sky(9, config);
+  int reflected = 0, held = 0, pairs = 0;
+  for (double t = 0.0; t + 0.5 < kDay_s; t += 0.5) {
+    if (!sky.is_reflected(t)) {
+      ASSERT_EQ(sky.error_m(t).norm(), 0.0);
+      continue;
+    }
+    ++reflected;
+    if (!sky.is_reflected(t + 0.5)) continue;
+    ++pairs;
+    held += sky.error_m(t) == sky.error_m(t + 0.5) ? 1 : 0;
+  }
+  EXPECT_NEAR(reflected * 0.5 / kDay_s, 0.05, 0.01);
+  EXPECT_GT(held, 0.98 * pairs);
+}
+
+constexpr OdometryErrors kRun{0.01, 0.002, -0.03};
+
+TEST(WheelErrorModel, LeavesTheRunsErrorsWhereNothingLasts) {
+  const WheelErrorModel memory(1, WheelsConfig{}, 100.0);
+  const OdometryErrors errors = memory.errors_at(kRun, 12.0, {3.0, 4.0, 0.5});
+  EXPECT_EQ(errors.speed_scale, kRun.speed_scale);
+  EXPECT_EQ(errors.yaw_rate_bias_radps, kRun.yaw_rate_bias_radps);
+  EXPECT_EQ(errors.yaw_rate_scale, kRun.yaw_rate_scale);
+}
+
+TEST(WheelErrorModel, SlipBelongsToTheGround) {
+  WheelsConfig config;
+  config.surface_slip_sd = 0.02;
+  config.surface_turn_slip_sd = 0.05;
+  const WheelErrorModel memory(7, config, 100.0);
+  const auto at = [&](double time_s, double x_m, double y_m) {
+    return memory.errors_at({}, time_s, {x_m, y_m, 0.0});
+  };
+  EXPECT_EQ(at(1.0, 20.0, -7.0).speed_scale, at(99.0, 20.0, -7.0).speed_scale);
+  double speed2 = 0.0, turn2 = 0.0, both = 0.0, near = 0.0;
+  constexpr int kSide = 40;
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const double x_m = 37.0 * (i - 20), y_m = 41.0 * (j - 20);
+      const OdometryErrors here = at(0.0, x_m, y_m), beside = at(0.0, x_m + 1.0, y_m);
+      speed2 += here.speed_scale * here.speed_scale;
+      turn2 += here.yaw_rate_scale * here.yaw_rate_scale;
+      both += here.speed_scale * here.yaw_rate_scale;
+      near += here.speed_scale * beside.speed_scale;
     }
   }
-  for (const int num : num_seen) EXPECT_GT(num, 0);
+  constexpr double kNum = kSide * kSide;
+  EXPECT_NEAR(std::sqrt(speed2 / kNum), 0.02, 0.002);
+  EXPECT_NEAR(std::sqrt(turn2 / kNum), 0.05, 0.005);
+  EXPECT_NEAR(both / kNum / (0.02 * 0.05), 0.0, 0.1);
+  EXPECT_GT(near / speed2, 0.95);  // a metre is little against a patch
+}
+
+TEST(WheelErrorModel, TheLoadChangesTheScaleNowAndThen) {
+  WheelsConfig config;
+  config.load_sd = 0.01;
+  config.load_every_s = 100.0;
+  const WheelErrorModel memory(3, config, 1000.0);
+  const auto scale = [&](double time_s) { return memory.errors_at({}, time_s, {}).speed_scale; };
+  EXPECT_EQ(scale(1.0), scale(99.0));
+  EXPECT_NE(scale(99.0), scale(101.0));
+  EXPECT_EQ(scale(101.0), scale(199.0));
+}
+
+TEST(WheelErrorModel, TheBiasWandersByItsStandardDeviationAndTime) {
+  WheelsConfig config;
+  config.bias_wander_sd_radps = 0.003;
+  config.bias_wander_s = 50.0;
+  const WheelErrorModel memory(5, config, 100000.0);
+  double sum2 = 0.0, later = 0.0;
+  int n = 0;
+  for (double t_s = 0.0; t_s < 99000.0; t_s += 10.0, ++n) {
+    const double bias = memory.errors_at({}, t_s, {}).yaw_rate_bias_radps;
+    sum2 += bias * bias;
+    later += bias * memory.errors_at({}, t_s + 50.0, {}).yaw_rate_bias_radps;
+  }
+  EXPECT_NEAR(std::sqrt(sum2 / n), 0.003, 0.0003);
+  EXPECT_NEAR(later / sum2, std::exp(-1.0), 0.08);
 }
 
 }  // namespace
+
 }  // namespace orchard::simulation

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/board_picture.hpp"
+#include "simulation/board_scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/scene/yard/yard_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -17,7 +17,7 @@ constexpr double kRowSpacing_m = 4.0;
 constexpr double kTreeSpacing_m = 2.5;
 constexpr int kRows = 6;  ///< along map y; the first alley driven is map x = 0
 constexpr int kTreesPerRow = 20;
-constexpr double kRowsBegin_m = 10.0;
+constexpr double kBlockBegin_m = 10.0;
 constexpr double kMissingFraction = 0.1;
 constexpr double kTwigSpacing_m = 0.15;  ///< along a hedge
 constexpr double kHedgeDepth_m = 0.5;    ///< beams end anywhere within it
@@ -141,7 +141,7 @@ class YardBuilder {
       for (int i = 0; i < kTreesPerRow; ++i) {
         const bool missing = place_.uniform() < kMissingFraction;
         const double x_m = (row - 0.5 * (kRows - 1)) * kRowSpacing_m + jitter(0.12);
-        const double y_m = kRowsBegin_m + i * kTreeSpacing_m + jitter(0.2);
+        const double y_m = kBlockBegin_m + i * kTreeSpacing_m + jitter(0.2);
         const double width_m = std::clamp(place_.normal(0.13, 0.015), 0.09, 0.19);
         if (!missing) add_tree(x_m, y_m, width_m);
       }
@@ -226,11 +226,8 @@ class YardBuilder {
     trunk.y_m = y_m;
     trunk.radius_m = 0.5 * width_m;
     trunk.height_m = 2.0;
-    trunk.target = scene_.world.num_targets++;
     trunk.appearance.texture = Appearance::Texture::kBark;
-    scene_.truth.push_back({detection::Label::kTree, x_m, y_m, width_m,
-                            "T" + std::to_string(scene_.world.num_targets)});
-    scene_.world.cylinders.push_back(trunk);
+    scene_.add(trunk, detection::Label::kTree, "T" + std::to_string(scene_.world.num_targets + 1));
   }
 
   double jitter(double most) { return place_.uniform(-most, most); }

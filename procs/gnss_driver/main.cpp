@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
-#include "bus/process/stream_process.hpp"
-#include "device/emulated/gpsd_device.hpp"
+#include "bus/process/process.hpp"
+#include "device/emulated/emulated_lines.hpp"
 #include "device/gnss/gpsd_protocol.hpp"
 #include "io/config/config.hpp"
 

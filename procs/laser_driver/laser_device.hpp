@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "bus/process/stream_process.hpp"
+#include "bus/process/process.hpp"
 #include "device/drivers_config.hpp"
 
 namespace orchard::procs {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "device/emulated/controller_device.hpp"
+#include "device/emulated/emulated_lines.hpp"
 #include "device/lines/controller_protocol.hpp"
 
 namespace orchard::procs {

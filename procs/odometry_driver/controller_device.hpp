@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bus/process/stream_process.hpp"
+#include "bus/process/process.hpp"
 #include "device/drivers_config.hpp"
 
 namespace orchard::procs {

@@ -25,9 +25,9 @@
 #include <vector>
 
 #include "bus/node/process_report.hpp"
-#include "device/emulated/scip_device.hpp"
+#include "device/emulated/emulated_laser.hpp"
 #include "device/scip/scip_protocol.hpp"
-#include "node/laser_driver/driven_laser.hpp"
+#include "node/drivers/driven_laser.hpp"
 #include "unit/device/simulated_line.hpp"
 
 namespace orchard {

@@ -8,9 +8,9 @@
 #include "bot_core/image_t.hpp"
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
-#include "bus/bot_core/bot_core_translator.hpp"
+#include "bus/bot_core/bot_core_driver.hpp"
 #include "bus/messages/codec.hpp"
-#include "bus/messages/field_writer.hpp"
+#include "bus/messages/field_codec.hpp"
 #include "fuzz/fuzz_seeds.hpp"
 
 using namespace orchard;

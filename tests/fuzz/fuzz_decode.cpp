@@ -10,11 +10,10 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
-#include "bus/messages/field_writer.hpp"
+#include "bus/messages/field_codec.hpp"
 #include "bus/messages/service_messages.hpp"
-#include "bus/messages/wire_format.hpp"
 #include "fuzz/fuzz_seeds.hpp"
-#include "unit/bus/messages/sample_messages.hpp"
+#include "unit/bus/sample_messages.hpp"
 
 namespace {
 

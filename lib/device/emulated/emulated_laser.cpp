@@ -1,16 +1,88 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "device/emulated/emulated_laser.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "device/emulated/cola_device.hpp"
-#include "device/emulated/scip_device.hpp"
 #include "geometry/angles.hpp"
 
 namespace orchard::device {
 namespace {
+
+constexpr double kUnits_per_rad = 10'000.0 * 180.0 / geometry::kPi;
+constexpr std::int32_t kAhead = 900'000;
+constexpr std::int32_t kFirstShot = -450'000;
+constexpr std::size_t kMaxTelegram = 256;
+
+std::int32_t start_angle(const laser::Scan& scan) {
+  return static_cast<std::int32_t>(std::lround(scan.bearing_min_rad * kUnits_per_rad)) + kAhead;
+}
+
+/// A channel of 16 bits: name, scale, offset, angles, values.
+std::string channel(const std::string& name, const laser::Scan& scan,
+                    const std::vector<float>& values, double factor) {
+  const auto step = std::lround(scan.bearing_step_rad * kUnits_per_rad);
+  std::string text =
+      fmt::format(" {} 3F800000 00000000 {:X} {:X} {:X}", name,
+                  static_cast<std::uint32_t>(start_angle(scan)), step, values.size());
+  for (const float value : values) {
+    const double scaled = std::isfinite(value) ? factor * static_cast<double>(value) : 0.0;
+    text += fmt::format(" {:X}", std::lround(std::clamp(scaled, 0.0, 65535.0)));
+  }
+  return text;
+}
+
+constexpr double kTick_us = 1000.0;
+constexpr std::uint64_t kClock_mask = 0xffffff;
+
+constexpr std::size_t kMaxCommand = 64;
+
+std::string with_sum(const std::string& text) {
+  int sum = 0;
+  for (const char c : text) sum += c;
+  return text + static_cast<char>(sum % 64 + '0');
+}
+
+std::string encoded(std::uint64_t number, int num_characters) {
+  std::string text;
+  for (int i = num_characters - 1; i >= 0; --i) {
+    text += static_cast<char>('0' + (number >> (6 * i)) % 64);
+  }
+  return text;
+}
+
+std::string parameter(const std::string& text) {
+  const std::string summed = with_sum(text);
+  return text + ";" + summed.back() + "\n";
+}
+
+/// The beam of the scan in the direction of a step, in units of the protocol; `none` where there is
+/// no beam.
+struct Beam {
+  std::uint32_t range_mm = 0;
+  std::uint32_t intensity = 0;
+};
+
+Beam beam_at(const laser::Scan& scan, double bearing_rad, const ScipModel& model) {
+  Beam beam{model.no_return, 0};
+  const double place = (bearing_rad - scan.bearing_min_rad) / scan.bearing_step_rad;
+  const auto i = static_cast<std::int64_t>(std::llround(place));
+  if (i < 0 || i >= static_cast<std::int64_t>(scan.ranges_m.size())) return beam;
+  const auto index = static_cast<std::size_t>(i);
+  const double range_mm = 1e3 * static_cast<double>(scan.ranges_m[index]);
+  if (range_mm >= model.range_min_mm && range_mm <= model.range_max_mm) {
+    beam.range_mm = static_cast<std::uint32_t>(std::llround(range_mm));
+  }
+  if (scan.has_intensities()) {
+    const double intensity = std::clamp(static_cast<double>(scan.intensities[index]), 0.0, 2e5);
+    beam.intensity = static_cast<std::uint32_t>(intensity);
+  }
+  return beam;
+}
 
 /// Clock skew: the difference between two good crystals.
 constexpr double kSkew = 40e-6;
@@ -66,6 +138,255 @@ class LikeItsScans : public EmulatedDevice {
 };
 
 }  // namespace
+
+std::optional<std::int64_t> EmulatedScanner::deadline() const {
+  if (sweeps_.empty()) return std::nullopt;
+  return sweeps_.front().complete_utime;
+}
+
+void EmulatedScanner::advance(std::int64_t utime) {
+  for (; !sweeps_.empty() && sweeps_.front().complete_utime <= utime; sweeps_.pop_front()) {
+    if (!is_streaming()) continue;
+    send(sweeps_.front());
+    ++num_sent_;
+  }
+}
+
+void EmulatedScanner::add(Sweep sweep) {
+  sweeps_.push_back(std::move(sweep));
+  if (sweeps_.size() > kMaxWaitingSweeps) sweeps_.pop_front();
+}
+
+ColaDevice::ColaDevice(ColaDeviceModel model, EmulatedClock clock)
+    : EmulatedScanner(clock),
+      model_(std::move(model)),
+      sends_intensities_(model_.sends_intensities) {}
+
+void ColaDevice::connected(std::int64_t) {
+  half_telegram_.clear();
+  to_send_.clear();
+}
+
+void ColaDevice::receive(std::string_view bytes, std::int64_t) {
+  for (const char c : bytes) {
+    if (c == '\x02') {
+      half_telegram_.clear();
+    } else if (c == '\x03') {
+      obey(std::exchange(half_telegram_, {}));
+    } else if (half_telegram_.size() < kMaxTelegram) {
+      half_telegram_ += c;
+    }
+  }
+}
+
+void ColaDevice::answer(const std::string& telegram) { to_send_ += "\x02" + telegram + "\x03"; }
+
+void ColaDevice::obey(const std::string& telegram) {
+  if (telegram == "sEN LMDscandata 1" || telegram == "sEN LMDscandata 0") {
+    is_streaming_ = telegram.back() == '1';
+    answer(std::string("sEA LMDscandata ") + telegram.back());
+  } else if (telegram == "sRN DeviceIdent") {
+    answer(fmt::format("sRA DeviceIdent {:X} {} 6 V2.5.0", model_.name.size(), model_.name));
+  } else if (telegram == "sRN LMPoutputRange" && last_) {
+    const double last_rad = last_->bearing_rad(static_cast<double>(last_->ranges_m.size()) - 1.0);
+    const auto stop = static_cast<std::int32_t>(std::lround(last_rad * kUnits_per_rad)) + kAhead;
+    answer(fmt::format("sRA LMPoutputRange 1 {:X} {:X} {:X}",
+                       std::lround(last_->bearing_step_rad * kUnits_per_rad),
+                       static_cast<std::uint32_t>(start_angle(*last_)),
+                       static_cast<std::uint32_t>(stop)));
+  } else if (telegram == "sMN SetAccessMode 03 F4724744") {
+    is_logged_in_ = model_.allows_login;
+    answer(is_logged_in_ ? "sAN SetAccessMode 1" : "sAN SetAccessMode 0");
+  } else if (telegram.rfind("sWN LMDscandatacfg ", 0) == 0 && is_logged_in_) {
+    sends_intensities_ = telegram.rfind("sWN LMDscandatacfg 01 00 1", 0) == 0;
+    answer("sWA LMDscandatacfg");
+  } else if (telegram == "sMN Run" && is_logged_in_) {
+    is_logged_in_ = false;
+    answer("sAN Run 1");
+  } else {
+    answer("sFA 3");
+  }
+}
+
+void ColaDevice::measured(const device::Measurement& measurement) {
+  const auto* scan = std::get_if<laser::Scan>(&measurement);
+  if (scan == nullptr || scan->ranges_m.empty()) return;
+  const double beam_period_us =
+      1e6 / model_.rate_hz * scan->bearing_step_rad / (2.0 * geometry::kPi);
+  const double sweep_us = beam_period_us * static_cast<double>(scan->ranges_m.size() - 1);
+  add({scan->utime + static_cast<std::int64_t>(sweep_us) + kSweepProcessing_us, 0, *scan});
+  last_ = *scan;
+}
+
+void ColaDevice::send(const Sweep& sweep) {
+  const laser::Scan& scan = sweep.scan;
+  const double first_shot_us =
+      std::max(0, start_angle(scan) - kFirstShot) / (360.0 * 10'000.0) * 1e6 / model_.rate_hz;
+  const auto wrapped = [this](double utime) {
+    return static_cast<std::uint32_t>(clock_.ticks(utime, 1.0) & 0xffffffff);
+  };
+  const bool with_intensities = sends_intensities_ && scan.has_intensities();
+  std::string text =
+      fmt::format("sSN LMDscandata 1 1 89A27F 0 0 {:X} {:X} {:X} {:X} 0 0 3F 0 0 {:X} 21C 0 {}",
+                  num_sent_ & 0xffff, num_sent_ & 0xffff,
+                  wrapped(static_cast<double>(scan.utime) - first_shot_us),
+                  wrapped(static_cast<double>(sweep.complete_utime)),
+                  std::lround(100.0 * model_.rate_hz), with_intensities ? 2 : 1);
+  text += channel("DIST1", scan, scan.ranges_m, 1000.0);
+  if (with_intensities) text += channel("RSSI1", scan, scan.intensities, 1.0);
+  answer(text + " 0 0 0 0 0 0");
+}
+
+ScipModel ust_10lx() { return {}; }
+
+ScipModel utm_30lx() { return {"UTM-30LX", 23, 60000, 1440, 0, 1080, 540, 2400, 1, false, true}; }
+
+ScipModel urg_04lx_ug01() {
+  return {"URG-04LX-UG01(Simple-URG)", 20, 5600, 1024, 44, 725, 384, 600, 0, false, true};
+}
+
+ScipModel scip_model_like(const laser::Scan& scan, double rate_hz) {
+  const double steps = 2.0 * geometry::kPi / std::abs(scan.bearing_step_rad);
+  const auto num_beams = static_cast<int>(scan.ranges_m.size());
+  ScipModel model;
+  model.name = "emulated";
+  model.steps_per_turn = static_cast<int>(std::lround(steps));
+  model.first_step = 0;
+  model.last_step = std::max(1, num_beams - 1);
+  const double last_rad = scan.bearing_rad(num_beams - 1);
+  const double right_rad = std::min(scan.bearing_min_rad, last_rad);
+  const int ahead = static_cast<int>(std::lround(-right_rad / std::abs(scan.bearing_step_rad)));
+  if (ahead >= 0) {
+    model.front_step = ahead;
+  } else {  // the field of view does not include straight ahead: extrapolate step 0
+    model.front_step = 0;
+    model.first_step -= ahead;
+    model.last_step -= ahead;
+  }
+  model.range_min_mm = std::max(1, static_cast<int>(std::lround(1e3 * scan.range_min_m)));
+  model.range_max_mm = static_cast<int>(std::lround(1e3 * std::min(scan.range_max_m, 200.0)));
+  model.rate_rpm = static_cast<int>(std::lround(60.0 * rate_hz));
+  model.no_return = 0;
+  model.has_intensities = scan.has_intensities();
+  return model;
+}
+
+ScipDevice::ScipDevice(ScipModel model, EmulatedClock clock)
+    : EmulatedScanner(clock), model_(std::move(model)) {}
+
+void ScipDevice::connected(std::int64_t) {
+  half_command_.clear();
+  to_send_.clear();
+}
+
+void ScipDevice::receive(std::string_view bytes, std::int64_t utime) {
+  for (const char c : bytes) {
+    if (c == '\n' || c == '\r') {
+      if (!half_command_.empty()) obey(std::exchange(half_command_, {}), utime);
+    } else if (half_command_.size() < kMaxCommand) {
+      half_command_ += c;
+    }
+  }
+}
+
+void ScipDevice::answer(const std::string& command, const std::string& status,
+                        const std::string& body) {
+  to_send_ += command + "\n" + with_sum(status) + "\n" + body + "\n";
+}
+
+void ScipDevice::obey(const std::string& command, std::int64_t utime) {
+  const std::string symbol = command.substr(0, 2);
+  if (symbol == "QT") {
+    stream_.clear();
+    is_in_clock_mode_ = false;
+    answer(command, "00");
+  } else if (symbol == "PP" || symbol == "II") {
+    describe(command);
+  } else if (symbol == "BM") {
+    answer(command, "00");
+  } else if (symbol == "TM" && model_.has_clock_mode && command.size() == 3) {
+    const char code = command[2];
+    if (code == '1' && is_in_clock_mode_) {
+      const std::uint64_t ticks = clock_.ticks(static_cast<double>(utime), kTick_us) & kClock_mask;
+      answer(command, "00", with_sum(encoded(ticks, 4)) + "\n");
+    } else if ((code == '0' || code == '2') && (code == '0') != is_in_clock_mode_) {
+      is_in_clock_mode_ = code == '0';
+      if (is_in_clock_mode_) stream_.clear();
+      answer(command, "00");
+    } else {
+      answer(command, code == '0' ? "02" : code == '1' ? "04" : code == '2' ? "03" : "01");
+    }
+  } else if (symbol == "MD" || symbol == "MS" || (symbol == "ME" && model_.has_intensities)) {
+    obey_stream(command);
+  } else {
+    answer(command, "0E");
+  }
+}
+
+void ScipDevice::describe(const std::string& command) {
+  const auto number = [](const char* name, int value) {
+    return parameter(name + std::to_string(value));
+  };
+  if (command[0] == 'I') {
+    const std::string speed = std::to_string(model_.rate_rpm);
+    answer(command, "00",
+           parameter("MODL:" + model_.name) + parameter(stream_.empty() ? "LASR:OFF" : "LASR:ON") +
+               parameter("SCSP:Initial(" + speed + "[rpm])<-Default setting by user") +
+               parameter("STAT:Sensor works well."));
+    return;
+  }
+  answer(command, "00",
+         parameter("MODL:" + model_.name + "(Hokuyo Automatic Co.,Ltd.)") +
+             number("DMIN:", model_.range_min_mm) + number("DMAX:", model_.range_max_mm) +
+             number("ARES:", model_.steps_per_turn) + number("AMIN:", model_.first_step) +
+             number("AMAX:", model_.last_step) + number("AFRT:", model_.front_step) +
+             number("SCAN:", model_.rate_rpm));
+}
+
+void ScipDevice::obey_stream(const std::string& command) {
+  const bool is_whole =
+      command.size() == 15 &&
+      std::all_of(command.begin() + 2, command.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_whole) return answer(command, "01");
+  const int first = std::stoi(command.substr(2, 4));
+  const int last = std::stoi(command.substr(6, 4));
+  if (last > model_.last_step) return answer(command, "04");
+  if (last < first) return answer(command, "05");
+  if (is_in_clock_mode_) return answer(command, "10");
+  stream_ = command;
+  answer(command, "00");
+}
+
+void ScipDevice::measured(const device::Measurement& measurement) {
+  const auto* scan = std::get_if<laser::Scan>(&measurement);
+  if (scan == nullptr || scan->ranges_m.empty()) return;
+  const double turn_us = 60e6 / model_.rate_rpm;
+  const double to_first_us = turn_us * model_.first_step / model_.steps_per_turn;
+  const double to_last_us = turn_us * model_.last_step / model_.steps_per_turn;
+  const double step_0_utime = static_cast<double>(scan->utime) - to_first_us;
+  Sweep sweep;
+  sweep.ticks = clock_.ticks(step_0_utime, kTick_us);
+  sweep.complete_utime = static_cast<std::int64_t>(step_0_utime + to_last_us) + kSweepProcessing_us;
+  sweep.scan = *scan;
+  add(std::move(sweep));
+}
+
+void ScipDevice::send(const Sweep& sweep) {
+  const int num_characters = stream_[1] == 'S' ? 2 : 3;
+  const double step_rad = 2.0 * geometry::kPi / model_.steps_per_turn;
+  std::string data;
+  for (int step = std::stoi(stream_.substr(2, 4)); step <= std::stoi(stream_.substr(6, 4));
+       ++step) {
+    const Beam beam = beam_at(sweep.scan, (step - model_.front_step) * step_rad, model_);
+    data += encoded(beam.range_mm, num_characters);
+    if (stream_[1] == 'E') data += encoded(beam.intensity, 3);
+  }
+  std::string body = with_sum(encoded(sweep.ticks & kClock_mask, 4)) + "\n";
+  for (std::size_t begin = 0; begin < data.size(); begin += 64) {
+    body += with_sum(data.substr(begin, 64)) + "\n";
+  }
+  answer(stream_, "99", body);
+}
 
 std::unique_ptr<EmulatedDevice> make_emulated_laser(device::LaserProtocol protocol,
                                                     std::int64_t start_utime) {

@@ -1,15 +1,180 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "device/gnss/gpsd_protocol.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
-#include "device/gnss/gnss_fix.hpp"
+#include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::device {
 namespace {
+
+enum Quality : std::int8_t {
+  kNoFix = 0,
+  kSingle = 1,
+  kDifferential = 2,
+  kMilitary = 3,
+  kRtkFixed = 4,
+  kRtkFloat = 5,
+  kEstimated = 6,
+  kSurveyed = 7,
+  kSimulated = 8,
+};
+
+constexpr double kUnknownHeightVariance_m2 = 1e4;
+constexpr double kMaxOfRtk_m = 1.0;  // above, eph is not the error of the RTK solution
+
+bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
+
+/// Covariance from the error ellipse, else from the standard deviations; false without both.
+bool from_noise(const GpsdNoise& noise, std::array<double, 6>& covariance) {
+  auto& [ee, en, eu, nn, nu, uu] = covariance;
+  if (noise.major_sd_m && noise.minor_sd_m && noise.orientation_deg && *noise.major_sd_m > 0.0) {
+    const double angle_rad = *noise.orientation_deg * geometry::kPi / 180.0;
+    const double sine = std::sin(angle_rad), cosine = std::cos(angle_rad);
+    const double major = geometry::square(*noise.major_sd_m),
+                 minor = geometry::square(*noise.minor_sd_m);
+    ee = major * sine * sine + minor * cosine * cosine;
+    nn = major * cosine * cosine + minor * sine * sine;
+    en = (major - minor) * sine * cosine;
+  } else if (noise.north_sd_m && noise.east_sd_m && *noise.north_sd_m > 0.0 &&
+             *noise.east_sd_m > 0.0) {
+    ee = geometry::square(*noise.east_sd_m);
+    nn = geometry::square(*noise.north_sd_m);
+  } else {
+    return false;
+  }
+  uu = noise.up_sd_m && *noise.up_sd_m > 0.0 ? geometry::square(*noise.up_sd_m)
+                                             : kUnknownHeightVariance_m2;
+  return true;
+}
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxReceivers = 32;
+
+/// Reads the fields of a report and keeps the first error.
+class Fields {
+ public:
+  explicit Fields(const Json& report) : report_(report) {}
+
+  std::optional<double> number(const char* key, double lo, double hi) {
+    const Json* field = find(key);
+    if (field == nullptr) return std::nullopt;
+    if (!field->is_number()) return object(key, "is not a number");
+    const double value = field->get<double>();
+    if (!(value >= lo && value <= hi)) return object(key, "is out of range");
+    return value;
+  }
+
+  int whole(const char* key, int hi) {
+    const Json* field = find(key);
+    if (field == nullptr) return 0;
+    if (!field->is_number_integer() || *field < 0 || *field > hi) {
+      object(key, "is not one of its values");
+      return 0;
+    }
+    return field->get<int>();
+  }
+
+  std::string text(const char* key) {
+    const Json* field = find(key);
+    if (field == nullptr) return {};
+    if (field->is_string()) return field->get<std::string>();
+    object(key, "is not a text");
+    return {};
+  }
+
+  std::optional<std::int64_t> time(const char* key) {
+    if (find(key) == nullptr) return std::nullopt;
+    const std::optional<std::int64_t> utime = parse_utc(text(key));
+    if (!utime) object(key, "is not a time");
+    return utime;
+  }
+
+  const std::string& why() const { return why_; }
+
+ private:
+  const Json* find(const char* key) const {
+    const auto found = report_.find(key);
+    return found == report_.end() || found->is_null() ? nullptr : &*found;
+  }
+
+  std::nullopt_t object(const char* key, const char* what) {
+    if (why_.empty()) why_ = std::string(key) + " " + what;
+    return std::nullopt;
+  }
+
+  const Json& report_;
+  std::string why_;
+};
+
+GpsdFix read_fix(Fields& fields) {
+  GpsdFix fix;
+  fix.device = fields.text("device");
+  fix.mode = fields.whole("mode", 3);
+  fix.status = fields.whole("status", 9);
+  fix.time_us = fields.time("time");
+  fix.latitude_deg = fields.number("lat", -90.0, 90.0);
+  fix.longitude_deg = fields.number("lon", -180.0, 180.0);
+  fix.altitude_m = fields.number("altHAE", -12000.0, 100000.0);
+  fix.eph_m = fields.number("eph", 0.0, 1e7);
+  fix.epx_m = fields.number("epx", 0.0, 1e7);
+  fix.epy_m = fields.number("epy", 0.0, 1e7);
+  fix.epv_m = fields.number("epv", 0.0, 1e7);
+  return fix;
+}
+
+GpsdNoise read_noise(Fields& fields) {
+  GpsdNoise noise;
+  noise.device = fields.text("device");
+  noise.time_us = fields.time("time");
+  noise.north_sd_m = fields.number("lat", 0.0, 1e7);
+  noise.east_sd_m = fields.number("lon", 0.0, 1e7);
+  noise.up_sd_m = fields.number("alt", 0.0, 1e7);
+  noise.major_sd_m = fields.number("major", 0.0, 1e7);
+  noise.minor_sd_m = fields.number("minor", 0.0, 1e7);
+  noise.orientation_deg = fields.number("orient", -360.0, 360.0);
+  return noise;
+}
+
+GpsdDevices read_devices(const Json& report) {
+  GpsdDevices devices;
+  const auto list = report.find("devices");
+  if (list == report.end() || !list->is_array()) return devices;
+  for (const Json& device : *list) {
+    if (!device.is_object() || devices.paths.size() == kMaxReceivers) continue;
+    const auto path = device.find("path");
+    if (path != device.end() && path->is_string())
+      devices.paths.push_back(path->get<std::string>());
+  }
+  return devices;
+}
+
+/// Days from 1970-01-01 in the Gregorian calendar, counted in years that begin in March.
+std::int64_t days_since_1970(int year, int month, int day) {
+  const int march_year = month > 2 ? year : year - 1;
+  const int march_month = (month + 9) % 12;
+  const std::int64_t leap_days = march_year / 4 - march_year / 100 + march_year / 400;
+  return 365LL * march_year + leap_days + (153 * march_month + 2) / 5 + day - 1 - 719468;
+}
+
+std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count, int lo,
+                          int hi) {
+  if (at + count > text.size()) return std::nullopt;
+  const std::string_view word = text.substr(at, count);
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (!std::all_of(word.begin(), word.end(), is_digit)) return std::nullopt;
+  int value = 0;
+  std::from_chars(word.data(), word.data() + word.size(), value);
+  return value >= lo && value <= hi ? std::optional<int>(value) : std::nullopt;
+}
 
 constexpr std::size_t kLongestLine_bytes = 32768;  // SKY of a receiver of four systems: about 15 kB
 constexpr std::int64_t kSilence_us = 2'000'000;
@@ -17,14 +182,6 @@ constexpr int kMaxUnanswered = 5;
 constexpr std::int64_t kNoiseAge_us = 1'500'000;
 constexpr double kImplausibleLead_s = 2.0;
 constexpr std::size_t kShownBytes = 60;
-
-std::string shown(std::string_view bytes) {
-  std::string text;
-  for (const char byte : bytes.substr(0, kShownBytes)) {
-    text += byte >= ' ' && byte <= '~' ? byte : '?';
-  }
-  return text;
-}
 
 /// A JSON string literal: quotes and backslashes escaped.
 std::string quoted(std::string_view text) {
@@ -37,6 +194,99 @@ std::string quoted(std::string_view text) {
 }
 
 }  // namespace
+
+std::int8_t gga_quality(const GpsdFix& fix) {
+  if (fix.mode < 2) return kNoFix;
+  // gpsd_json(5), TPV, status. An absent status means a plain fix.
+  constexpr std::array<std::int8_t, 10> kByStatus{kSingle,    kSingle,    kDifferential, kRtkFixed,
+                                                  kRtkFloat,  kEstimated, kEstimated,    kSurveyed,
+                                                  kSimulated, kMilitary};
+  return kByStatus[static_cast<std::size_t>(fix.status)];
+}
+
+std::string quality_name(std::int8_t quality) {
+  constexpr std::array<const char*, 9> kNames{"no fix",    "single",    "differential",
+                                              "military",  "RTK fixed", "RTK float",
+                                              "estimated", "surveyed",  "simulated"};
+  return kNames.at(static_cast<std::size_t>(quality));
+}
+
+std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise) {
+  std::array<double, 6> covariance{};
+  if (noise != nullptr && from_noise(*noise, covariance)) return covariance;
+  double east_sd_m = 0.0, north_sd_m = 0.0;
+  if (fix.eph_m && *fix.eph_m > 0.0) {
+    east_sd_m = north_sd_m = *fix.eph_m;
+  } else if (fix.epx_m && fix.epy_m && *fix.epx_m > 0.0 && *fix.epy_m > 0.0) {
+    east_sd_m = *fix.epx_m;
+    north_sd_m = *fix.epy_m;
+  } else {
+    return covariance;
+  }
+  if (is_rtk(gga_quality(fix)) && std::max(east_sd_m, north_sd_m) > kMaxOfRtk_m) return covariance;
+  covariance[0] = geometry::square(east_sd_m);
+  covariance[3] = geometry::square(north_sd_m);
+  covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0 ? geometry::square(*fix.epv_m)
+                                                                 : kUnknownHeightVariance_m2;
+  return covariance;
+}
+
+std::optional<pose::Gnss> to_measurement(const GpsdFix& fix, const GpsdNoise* noise) {
+  if (fix.mode < 2 || !fix.latitude_deg || !fix.longitude_deg) return std::nullopt;
+  pose::Gnss gnss;
+  gnss.latitude_deg = *fix.latitude_deg;
+  gnss.longitude_deg = *fix.longitude_deg;
+  gnss.altitude_m = fix.altitude_m.value_or(0.0);
+  gnss.covariance = enu_covariance(fix, noise);
+  if (!fix.altitude_m && gnss.covariance[0] > 0.0) gnss.covariance[5] = kUnknownHeightVariance_m2;
+  gnss.fix_quality = gga_quality(fix);
+  return gnss;
+}
+
+std::optional<std::int64_t> parse_utc(std::string_view text) {
+  constexpr std::string_view kForm = "....-..-..T..:..:..";
+  if (text.size() <= kForm.size() || text.back() != 'Z') return std::nullopt;
+  for (std::size_t i = 0; i < kForm.size(); ++i) {
+    if (kForm[i] != '.' && kForm[i] != text[i]) return std::nullopt;
+  }
+  const auto year = digits(text, 0, 4, 1970, 2200), month = digits(text, 5, 2, 1, 12);
+  const auto day = digits(text, 8, 2, 1, 31), hour = digits(text, 11, 2, 0, 23);
+  const auto minute = digits(text, 14, 2, 0, 59), second = digits(text, 17, 2, 0, 60);
+  if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
+  std::string fraction(text.substr(kForm.size(), text.size() - kForm.size() - 1));
+  int micros = 0;
+  if (!fraction.empty()) {
+    if (fraction[0] != '.' || fraction.size() > 10) return std::nullopt;
+    fraction.resize(7, '0');  // digits below a microsecond are cut off
+    const auto value = digits(fraction, 1, 6, 0, 999999);
+    if (!value) return std::nullopt;
+    micros = *value;
+  }
+  const std::int64_t seconds =
+      ((days_since_1970(*year, *month, *day) * 24 + *hour) * 60 + *minute) * 60 + *second;
+  return seconds * 1'000'000 + micros;
+}
+
+GpsdReport parse_gpsd_report(std::string_view line) {
+  const Json report = Json::parse(line.begin(), line.end(), nullptr, false);
+  if (!report.is_object()) return GpsdBad{"not a JSON object"};
+  Fields fields(report);
+  const std::string name = fields.text("class");
+  GpsdReport read;
+  if (name == "TPV") {
+    read = read_fix(fields);
+  } else if (name == "GST") {
+    read = read_noise(fields);
+  } else if (name == "DEVICES") {
+    read = read_devices(report);
+  } else if (name == "ERROR") {
+    read = GpsdError{fields.text("message")};
+  } else if (name.empty()) {
+    return GpsdBad{"a report without a class"};
+  }
+  if (!fields.why().empty()) return GpsdBad{name + ": " + fields.why()};
+  return read;
+}
 
 GpsdProtocol::GpsdProtocol(const GnssDriverConfig& config)
     : config_(config), lines_(kLongestLine_bytes), clock_(32, 1.0), receiver_(config.receiver) {
@@ -91,7 +341,8 @@ std::string GpsdProtocol::condition() const {
              "device";
     }
     if (!why_no_fix_.empty()) return why_no_fix_;
-    return "waits for the first report" + (receiver_.empty() ? "" : " of " + shown(receiver_));
+    return "waits for the first report" +
+           (receiver_.empty() ? "" : " of " + shown_text(receiver_, kShownBytes));
   }
   if (std::abs(fix_lead_s_) > kImplausibleLead_s) {
     return "fixes arrive " + fixed_text(fix_lead_s_, 1) +
@@ -99,7 +350,7 @@ std::string GpsdProtocol::condition() const {
            "satellite time; use drivers.gnss.stamp: receipt";
   }
   if (num_other_receivers_ > 0) {
-    return "reads " + shown(receiver_) +
+    return "reads " + shown_text(receiver_, kShownBytes) +
            " only, but gpsd has several receivers; choose one with drivers.gnss.receiver";
   }
   return {};
@@ -122,7 +373,7 @@ void GpsdProtocol::take_line(std::string_view line, std::int64_t host_utime) {
   if (const auto* devices = std::get_if<GpsdDevices>(&report)) {
     has_receivers_ = !devices->paths.empty();
   } else if (const auto* error = std::get_if<GpsdError>(&report)) {
-    error_ = shown(error->message);
+    error_ = shown_text(error->message, kShownBytes);
   } else if (const auto* noise = std::get_if<GpsdNoise>(&report)) {
     if (!is_ours(noise->device)) return;
     noise_ = *noise;

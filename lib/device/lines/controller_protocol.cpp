@@ -2,12 +2,138 @@
 #include "device/lines/controller_protocol.hpp"
 
 #include <Eigen/Geometry>
+#include <charconv>
 #include <cmath>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace orchard::device {
 namespace {
+
+constexpr std::int64_t kLongestStep_us = 1'000'000;
+constexpr double kWheelSpeedMax_mps = 30.0;  // a wheel of any robot that drives among trees
+
+constexpr double kSpeedMax_mps = 50.0;  // no vehicle among trees
+constexpr double kYawRateMax_radps = 50.0;
+constexpr double kAngularRateMax_radps = 100.0;  // above what inertial units measure (2000 deg/s)
+constexpr double kAccelerationMax_mps2 = 400.0;
+constexpr double kAngleMax_rad = 12.6;  // two turns, for who does not wrap
+constexpr std::size_t kMaxWords = 16;
+
+constexpr std::string_view kSeparators = " \t,";
+
+/// Words between blanks or commas; at most kMaxWords and one.
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  while (words.size() <= kMaxWords) {
+    const std::size_t begin = line.find_first_not_of(kSeparators);
+    if (begin == std::string_view::npos) break;
+    line.remove_prefix(begin);
+    const std::size_t end = line.find_first_of(kSeparators);
+    words.push_back(line.substr(0, end));
+    if (end == std::string_view::npos) break;
+    line.remove_prefix(end);
+  }
+  return words;
+}
+
+template <class Number>
+std::optional<Number> read_number(std::string_view word) {
+  if (!word.empty() && word.front() == '+') {
+    word.remove_prefix(1);
+    if (word.empty() || word.front() == '-') return std::nullopt;
+  }
+  Number number{};
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<std::uint8_t> read_hex_byte(std::string_view text) {
+  std::uint8_t byte = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), byte, 16);
+  if (text.size() != 2 || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  return byte;
+}
+
+/// The words behind a line's letter as numbers, each checked; keeps the first objection.
+class Numbers {
+ public:
+  explicit Numbers(const std::vector<std::string_view>& words) : words_(words) {}
+
+  std::size_t count() const { return words_.size(); }
+
+  double real(double lo, double hi) {
+    if (!why_.empty()) return 0.0;
+    const std::string_view word = words_[next_++];
+    const std::optional<double> number = read_number<double>(word);
+    if (!number || !std::isfinite(*number)) {
+      why_ = "not a number: " + std::string(word);
+    } else if (*number < lo || *number > hi) {
+      why_ = "out of range: " + std::string(word);
+    } else {
+      return *number;
+    }
+    return 0.0;
+  }
+
+  void reals(std::array<double, 3>& values, double limit) {
+    for (double& value : values) value = real(-limit, limit);
+  }
+
+  std::int64_t whole() {
+    if (!why_.empty()) return 0;
+    const std::string_view word = words_[next_++];
+    const std::optional<std::int64_t> number = read_number<std::int64_t>(word);
+    if (!number) why_ = "not a whole number: " + std::string(word);
+    return number.value_or(0);
+  }
+
+  const std::string& why() const { return why_; }
+
+ private:
+  const std::vector<std::string_view>& words_;
+  std::size_t next_ = 0;
+  std::string why_;
+};
+
+/// Fills a line by its letter; returns why not, or nothing.
+std::string fill(SensorLine& line, std::string_view letter, Numbers& numbers) {
+  const std::size_t count = numbers.count();
+  if (letter == "V") {
+    if (count != 2 && count != 4)
+      return "V needs speed and yaw rate, optionally with their standard deviations";
+    VelocityLine velocity;
+    velocity.speed_mps = numbers.real(-kSpeedMax_mps, kSpeedMax_mps);
+    velocity.yaw_rate_radps = numbers.real(-kYawRateMax_radps, kYawRateMax_radps);
+    if (count == 4) {
+      velocity.speed_sd_mps = numbers.real(0.0, kSpeedMax_mps);
+      velocity.yaw_rate_sd_radps = numbers.real(0.0, kYawRateMax_radps);
+    }
+    line.content = velocity;
+  } else if (letter == "T") {
+    if (count != 2) return "T needs the counts of the left and the right wheel";
+    TickLine ticks;
+    ticks.left = numbers.whole();
+    ticks.right = numbers.whole();
+    line.content = ticks;
+  } else if (letter == "I") {
+    if (count != 6 && count != 9)
+      return "I needs 3 rates and 3 accelerations, optionally with 3 angles";
+    InertialLine inertial;
+    numbers.reals(inertial.angular_rate_radps, kAngularRateMax_radps);
+    numbers.reals(inertial.acceleration_mps2, kAccelerationMax_mps2);
+    inertial.has_orientation = count == 9;
+    if (inertial.has_orientation) numbers.reals(inertial.orientation_rad, kAngleMax_rad);
+    line.content = inertial;
+  } else {
+    return "begins with none of V, T, I and #";
+  }
+  return numbers.why();
+}
 
 constexpr std::size_t kLongestLine_bytes = 200;
 constexpr std::int64_t kSilence_us = 1'000'000;
@@ -30,16 +156,69 @@ std::array<double, 3> rotated(const Matrix& R, const std::array<double, 3>& vect
   return {turned.x(), turned.y(), turned.z()};
 }
 
-/// What a person can read of any bytes.
-std::string shown(std::string_view bytes) {
-  std::string text;
-  for (const char byte : bytes.substr(0, kShownBytes)) {
-    text += byte >= ' ' && byte <= '~' ? byte : '?';
-  }
-  return text + (bytes.size() > kShownBytes ? "..." : "");
+}  // namespace
+
+WheelTicks::Outcome WheelTicks::add(const TickLine& ticks, std::int64_t utime) {
+  if (before_ && utime <= before_->utime) return Outcome::kNoTime;
+  const std::optional<Stand> before = std::exchange(before_, Stand{ticks, utime});
+  if (!before || utime - before->utime > kLongestStep_us) return Outcome::kFirst;
+  const std::int64_t step_us = utime - before->utime;
+  const double step_s = 1e-6 * static_cast<double>(step_us);
+  const double left_m = moved_m(before->ticks.left, ticks.left, config_.metres_per_tick[0]);
+  const double right_m = moved_m(before->ticks.right, ticks.right, config_.metres_per_tick[1]);
+  const double max_m = kWheelSpeedMax_mps * step_s;
+  if (std::abs(left_m) > max_m || std::abs(right_m) > max_m) return Outcome::kJumped;
+  odometry_.utime = utime;
+  odometry_.speed_mps = (left_m + right_m) / 2.0 / step_s;
+  odometry_.yaw_rate_radps = (right_m - left_m) / config_.wheel_distance_m / step_s;
+  return Outcome::kMoved;
 }
 
-}  // namespace
+double WheelTicks::moved_m(std::int64_t from, std::int64_t to, double metres_per_tick) const {
+  // Modulo 2^counter_bits, the shorter way round: signed and unsigned counters alike.
+  const int unused_bits = 64 - config_.counter_bits;
+  const std::uint64_t forward = static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
+  const auto ticks = static_cast<std::int64_t>(forward << unused_bits) >> unused_bits;
+  return static_cast<double>(ticks) * metres_per_tick;
+}
+
+void WheelTicks::shift_time(std::int64_t step_us) {
+  if (before_) before_->utime += step_us;
+}
+
+std::uint8_t line_checksum(std::string_view bytes) {
+  std::uint8_t sum = 0;
+  for (const char byte : bytes)
+    sum = static_cast<std::uint8_t>(sum ^ static_cast<std::uint8_t>(byte));
+  return sum;
+}
+
+std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view text) {
+  if (!text.empty() && text.front() == '#') return Comment{};
+  SensorLine line;
+  if (const std::size_t star = text.rfind('*'); star != std::string_view::npos) {
+    const std::optional<std::uint8_t> stated = read_hex_byte(text.substr(star + 1));
+    if (!stated) return BadLine{"the checksum is not two hexadecimal digits"};
+    text = text.substr(0, star);
+    if (*stated != line_checksum(text)) return BadLine{"the checksum is wrong"};
+    line.has_checksum = true;
+  }
+  std::vector<std::string_view> words = split_words(text);
+  if (words.empty()) return Comment{};
+  if (words.size() > kMaxWords) return BadLine{"too many words"};
+  if (words.back().front() == '@') {
+    const auto time = read_number<std::int64_t>(words.back().substr(1));
+    if (!time || *time < 0) return BadLine{"@ needs a time in whole microseconds"};
+    line.device_time_us = *time;
+    words.pop_back();
+    if (words.empty()) return BadLine{"a time without a measurement"};
+  }
+  const std::string_view letter = words.front();
+  words.erase(words.begin());
+  Numbers numbers(words);
+  if (std::string why = fill(line, letter, numbers); !why.empty()) return BadLine{std::move(why)};
+  return line;
+}
 
 ControllerProtocol::ControllerProtocol(const OdometryDriverConfig& odometry,
                                        const ImuDriverConfig& imu)
@@ -111,7 +290,7 @@ void ControllerProtocol::take_line(std::string_view text, std::int64_t host_utim
 
 void ControllerProtocol::refuse(std::string_view text, const std::string& why) {
   ++counts_.num_bad;
-  last_refused_ = shown(text) + "\" (" + shown(why);
+  last_refused_ = shown_text(text, kShownBytes) + "\" (" + shown_text(why, kShownBytes);
 }
 
 std::string ControllerProtocol::use(const SensorLine& line, std::int64_t host_utime) {

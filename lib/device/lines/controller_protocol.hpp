@@ -5,15 +5,97 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include "device/device_clock.hpp"
+#include "device/drivers_config.hpp"
 #include "device/lines/line_splitter.hpp"
-#include "device/lines/odometry_driver_config.hpp"
-#include "device/lines/sensor_line.hpp"
-#include "device/lines/wheel_ticks.hpp"
 #include "device/protocol.hpp"
+#include "pose/measurements.hpp"
 
 namespace orchard::device {
+
+/// From what the wheels' counters stand at to velocities of base: the mean over the step between
+/// two lines, stamped at its end. A line that was lost costs no distance, since counters go on.
+class WheelTicks {
+ public:
+  /// What a line gave.
+  enum class Outcome {
+    kMoved,   ///< odometry()
+    kFirst,   ///< the first, or the first after more than a second: the next one has a step
+    kNoTime,  ///< no later than the one before: refused
+    kJumped,  ///< faster than any robot drives: the controller was restarted; begins anew
+  };
+
+  explicit WheelTicks(const OdometryDriverConfig& config) : config_(config) {}
+
+  /// `utime`: when the counters stood there [us].
+  Outcome add(const TickLine& ticks, std::int64_t utime);
+
+  /// Of the last kMoved; its covariance is unknown.
+  const pose::Odometry& odometry() const { return odometry_; }
+
+  /// The clock of `utime` was set by that much [us].
+  void shift_time(std::int64_t step_us);
+
+  /// The next line is a first one.
+  void restart() { before_.reset(); }
+
+ private:
+  struct Stand {
+    TickLine ticks;
+    std::int64_t utime;
+  };
+  double moved_m(std::int64_t from, std::int64_t to, double metres_per_tick) const;
+
+  OdometryDriverConfig config_;
+  std::optional<Stand> before_;
+  pose::Odometry odometry_;
+};
+
+/// `V speed yaw_rate [speed_sd yaw_rate_sd]`: the robot's velocity.
+struct VelocityLine {
+  double speed_mps = 0.0;
+  double yaw_rate_radps = 0.0;
+  double speed_sd_mps = 0.0;  ///< both 0: unknown
+  double yaw_rate_sd_radps = 0.0;
+};
+
+/// `T left right`: what the wheels' counters stand at.
+struct TickLine {
+  std::int64_t left = 0;
+  std::int64_t right = 0;
+};
+
+/// `I gx gy gz ax ay az [roll pitch yaw]`: an inertial unit's sample, in its own axes.
+struct InertialLine {
+  std::array<double, 3> angular_rate_radps{};
+  std::array<double, 3> acceleration_mps2{};
+  std::array<double, 3> orientation_rad{};  ///< roll, pitch, yaw
+  bool has_orientation = false;
+};
+
+/// One line of a robot's controller. The page of this folder describes the format.
+struct SensorLine {
+  std::variant<VelocityLine, TickLine, InertialLine> content;
+  std::optional<std::int64_t> device_time_us;  ///< `@time`: by the controller's own clock
+  bool has_checksum = false;
+};
+
+/// Nothing for us: a comment.
+struct Comment {};
+
+/// Why a line was refused, in words for a person.
+struct BadLine {
+  std::string why;
+};
+
+/// Reads a line without its end: any bytes are a line, a comment or bad.
+std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view line);
+
+/// The checksum that follows `*`: all bytes before it, exclusive-or.
+std::uint8_t line_checksum(std::string_view bytes);
 
 /// A robot's controller that sends text lines: wheel velocities, wheel ticks, an inertial unit. It
 /// is only listened to. The page of this folder describes the lines.

@@ -36,4 +36,12 @@ void LineSplitter::end_line(const std::function<void(std::string_view)>& take_li
   is_skipping_ = false;
 }
 
+std::string shown_text(std::string_view bytes, std::size_t max_bytes) {
+  std::string text;
+  for (const char byte : bytes.substr(0, max_bytes)) {
+    text += byte >= ' ' && byte <= '~' ? byte : '?';
+  }
+  return text + (bytes.size() > max_bytes ? "..." : "");
+}
+
 }  // namespace orchard::device

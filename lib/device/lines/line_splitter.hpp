@@ -34,4 +34,8 @@ class LineSplitter {
   std::int64_t num_too_long_ = 0;
 };
 
+/// Makes any bytes readable for a person: what is not printable is a question mark, and what is
+/// longer than `max_bytes` is cut.
+std::string shown_text(std::string_view bytes, std::size_t max_bytes);
+
 }  // namespace orchard::device

@@ -3,10 +3,65 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
+#include <map>
+#include <string>
 
 namespace orchard::device {
 namespace {
+
+/// Steps are sent as four digits.
+constexpr int kMaxStep = 9999;
+constexpr int kMinSteps_per_turn = 16;
+
+/// The largest number in three characters.
+constexpr int kMaxRange_mm = (1 << 18) - 1;
+
+constexpr int kMinRate_rpm = 60;
+constexpr int kMaxRate_rpm = 60000;
+
+std::optional<int> whole_number(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  int number = 0;
+  const auto end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, number);
+  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  return number;
+}
+
+bool is_scanner(const ScipParameters& p) {
+  return p.range_min_mm >= 0 && p.range_min_mm < p.range_max_mm && p.range_max_mm <= kMaxRange_mm &&
+         p.steps_per_turn >= kMinSteps_per_turn && p.steps_per_turn <= kMaxStep + 1 &&
+         p.first_step >= 0 && p.last_step > p.first_step && p.last_step <= kMaxStep &&
+         p.num_beams() <= p.steps_per_turn && p.front_step >= 0 && p.front_step <= kMaxStep &&
+         p.rate_rpm >= kMinRate_rpm && p.rate_rpm <= kMaxRate_rpm;
+}
+
+constexpr std::size_t kCharacters_per_line = 64;
+constexpr std::size_t kCharacters_of_time = 4;
+
+/// Converts a range to the scan's units. The limits are converted likewise, so that a range equal
+/// to a limit is within it.
+float metres(std::int64_t range_mm) {
+  return static_cast<float>(1e-3 * static_cast<double>(range_mm));
+}
+
+/// Joins the characters of the lines; none when a checksum or the length of a line is wrong.
+std::optional<std::string> join_checked(const std::vector<std::string_view>& lines,
+                                        std::size_t num_characters) {
+  std::string joined;
+  joined.reserve(num_characters);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const auto text = checked_line(lines[i]);
+    if (!text || text->size() > kCharacters_per_line) return std::nullopt;
+    if (text->size() < kCharacters_per_line && i + 1 < lines.size()) return std::nullopt;
+    joined += *text;
+    if (joined.size() > num_characters) return std::nullopt;
+  }
+  if (joined.size() != num_characters) return std::nullopt;
+  return joined;
+}
 
 /// The time stamp: 24 bits of milliseconds (SCIP 2.0, 8.1), which wrap every 4 h 40 min.
 constexpr int kClock_bits = 24;
@@ -23,6 +78,145 @@ constexpr int kNumReadings = 12;
 constexpr std::array<std::string_view, 7> kCommands = {"QT", "PP", "II", "TM0", "TM1", "TM2", "BM"};
 
 }  // namespace
+
+char scip_sum(std::string_view text) {
+  unsigned sum = 0;
+  for (const char c : text) sum += static_cast<unsigned char>(c);
+  return static_cast<char>((sum & 0x3fu) + 0x30u);
+}
+
+std::optional<std::string_view> checked_line(std::string_view line) {
+  if (line.size() < 2) return std::nullopt;
+  const std::string_view text = line.substr(0, line.size() - 1);
+  if (scip_sum(text) != line.back()) return std::nullopt;
+  return text;
+}
+
+std::optional<std::string_view> checked_parameter(std::string_view line) {
+  if (line.size() < 3 || line[line.size() - 2] != ';') return std::nullopt;
+  const std::string_view text = line.substr(0, line.size() - 2);
+  if (scip_sum(text) != line.back()) return std::nullopt;
+  return text;
+}
+
+std::optional<std::uint32_t> scip_number(std::string_view characters) {
+  if (characters.empty() || characters.size() > 5) return std::nullopt;
+  std::uint32_t number = 0;
+  for (const char c : characters) {
+    const unsigned bits = static_cast<unsigned char>(c) - 0x30u;
+    if (bits > 0x3fu) return std::nullopt;
+    number = number << 6 | bits;
+  }
+  return number;
+}
+
+std::optional<ScipReply> parse_scip_reply(std::string_view text) {
+  ScipReply reply;
+  std::size_t num_lines = 0;
+  for (std::size_t begin = 0; begin <= text.size(); ++num_lines) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = text.substr(begin, end - begin);
+    if (num_lines == 0) {
+      reply.echo = line;
+    } else if (num_lines == 1) {
+      const auto status = checked_line(line);
+      if (!status || status->size() != 2) return std::nullopt;
+      reply.status = *status;
+    } else {
+      reply.body.push_back(line);
+    }
+    begin = end + 1;
+  }
+  if (reply.echo.size() < 2 || num_lines < 2) return std::nullopt;
+  return reply;
+}
+
+std::optional<ScipParameters> parse_scip_parameters(const std::vector<std::string_view>& lines) {
+  ScipParameters p;
+  int rate_rpm = 0;
+  std::map<std::string_view, int*> wanted = {
+      {"DMIN:", &p.range_min_mm}, {"DMAX:", &p.range_max_mm}, {"ARES:", &p.steps_per_turn},
+      {"AMIN:", &p.first_step},   {"AMAX:", &p.last_step},    {"AFRT:", &p.front_step},
+      {"SCAN:", &rate_rpm}};
+  for (const std::string_view line : lines) {
+    const auto text = checked_parameter(line);
+    if (!text || text->size() < 5) continue;
+    const std::string_view name = text->substr(0, 5);
+    const std::string_view value = text->substr(5);
+    if (name == "MODL:") p.model = std::string(value.substr(0, 80));
+    const auto key = wanted.find(name);
+    if (key == wanted.end()) continue;
+    const auto number = whole_number(value);
+    if (!number) return std::nullopt;
+    *key->second = *number;
+    wanted.erase(key);
+  }
+  p.rate_rpm = rate_rpm;
+  if (!wanted.empty() || !is_scanner(p)) return std::nullopt;
+  return p;
+}
+
+std::optional<double> parse_scip_motor_rpm(const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines) {
+    const auto text = checked_parameter(line);
+    if (!text || text->substr(0, 5) != "SCSP:") continue;
+    const std::size_t unit = text->find("[rpm]");
+    if (unit == std::string_view::npos) return std::nullopt;
+    std::size_t begin = unit;
+    while (begin > 0 && (*text)[begin - 1] >= '0' && (*text)[begin - 1] <= '9') --begin;
+    const auto rpm = whole_number(text->substr(begin, unit - begin));
+    if (!rpm || *rpm < kMinRate_rpm || *rpm > kMaxRate_rpm) return std::nullopt;
+    return *rpm;
+  }
+  return std::nullopt;
+}
+
+int characters_per_beam(ScipEncoding encoding) {
+  switch (encoding) {
+    case ScipEncoding::kTwo:
+      return 2;
+    case ScipEncoding::kThree:
+      return 3;
+    default:
+      return 6;
+  }
+}
+
+std::optional<ScipSweep> parse_scip_sweep(const std::vector<std::string_view>& lines,
+                                          const ScipParameters& p, ScipEncoding encoding) {
+  if (lines.empty()) return std::nullopt;
+  const auto time = checked_line(lines.front());
+  if (!time || time->size() != kCharacters_of_time) return std::nullopt;
+  const auto ticks = scip_number(*time);
+  const auto per_beam = static_cast<std::size_t>(characters_per_beam(encoding));
+  const auto num_beams = static_cast<std::size_t>(p.num_beams());
+  const auto data = join_checked(lines, per_beam * num_beams);
+  if (!ticks || !data) return std::nullopt;
+
+  ScipSweep sweep;
+  sweep.ticks = *ticks;
+  sweep.scan.bearing_min_rad = p.bearing_min_rad();
+  sweep.scan.bearing_step_rad = p.step_rad();
+  sweep.scan.beam_period_us = p.beam_period_us();
+  sweep.scan.range_min_m = metres(p.range_min_mm);
+  sweep.scan.range_max_m = metres(p.range_max_mm);
+  sweep.scan.ranges_m.reserve(num_beams);
+  const bool has_intensities = encoding == ScipEncoding::kThreeWithIntensity;
+  const std::size_t range_size = has_intensities ? 3 : per_beam;
+  for (std::size_t i = 0; i < num_beams; ++i) {
+    const std::string_view beam = std::string_view(*data).substr(i * per_beam, per_beam);
+    const auto range_mm = scip_number(beam.substr(0, range_size));
+    if (!range_mm) return std::nullopt;
+    const auto range = static_cast<std::int64_t>(*range_mm);
+    const bool is_range = range >= p.range_min_mm && range <= p.range_max_mm;
+    sweep.scan.ranges_m.push_back(is_range ? metres(range) : 0.0f);
+    if (!has_intensities) continue;
+    const auto intensity = scip_number(beam.substr(range_size));
+    if (!intensity) return std::nullopt;
+    sweep.scan.intensities.push_back(static_cast<float>(*intensity));
+  }
+  return sweep;
+}
 
 ScipProtocol::ScipProtocol() : ScannerSession(kClock_bits, kTick_us) {}
 

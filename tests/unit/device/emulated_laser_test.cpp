@@ -11,9 +11,7 @@
 #include <string>
 
 #include "device/cola/cola_protocol.hpp"
-#include "device/emulated/cola_device.hpp"
 #include "device/emulated/emulated_laser.hpp"
-#include "device/emulated/scip_device.hpp"
 #include "device/laser_protocol.hpp"
 #include "device/scip/scip_protocol.hpp"
 #include "unit/device/simulated_line.hpp"

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "device/camera/picture_limit.hpp"
+#include "device/camera/camera_frame.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
-
-#include "device/camera/frame_watch.hpp"
 
 namespace orchard::device {
 namespace {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "device/lines/controller_protocol.hpp"
-
+// The truth is the page of lib/device/lines.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+#include <vector>
+
+#include "device/lines/controller_protocol.hpp"
+#include "device/lines/line_splitter.hpp"
 
 namespace orchard::device {
 namespace {
@@ -181,5 +184,130 @@ TEST(ControllerProtocol, FollowsTheHostsClockWhenItIsSet) {
   EXPECT_NEAR(odometry[0].speed_mps, 0.5, 1e-9);
 }
 
+std::vector<std::string> split(LineSplitter& splitter, const std::vector<std::string>& pieces) {
+  std::vector<std::string> lines;
+  for (const std::string& piece : pieces) {
+    splitter.add(piece, [&lines](std::string_view line) { lines.emplace_back(line); });
+  }
+  return lines;
+}
+
+TEST(LineSplitter, EndsLinesAtAnyEnd) {
+  LineSplitter splitter(10);
+  EXPECT_EQ(split(splitter, {"one\ntw", "o\r\nthree\r", "\n\nfour"}),
+            (std::vector<std::string>{"one", "two", "three"}));
+}
+
+TEST(LineSplitter, DropsAndCountsWhatIsTooLong) {
+  LineSplitter splitter(5);
+  EXPECT_EQ(split(splitter, {"12345\n123", "456", "789\nab\n"}),
+            (std::vector<std::string>{"12345", "ab"}));
+  EXPECT_EQ(splitter.num_too_long(), 1);
+}
+
+TEST(LineSplitter, SkipsTheHalfLineItJoinsIn) {
+  LineSplitter splitter(20);
+  split(splitter, {"half"});
+  splitter.restart(true);
+  EXPECT_EQ(split(splitter, {"e\nwhole\n"}), std::vector<std::string>{"whole"});
+  splitter.restart(false);
+  EXPECT_EQ(split(splitter, {"whole\n"}), std::vector<std::string>{"whole"});
+}
+
+TEST(LineSplitter, TheSizeOfPiecesDoesNotMatter) {
+  std::mt19937 random(7);
+  std::string text;
+  for (int i = 0; i < 2000; ++i) text += "a\nbc\r"[random() % 5];
+  LineSplitter whole(6);
+  const auto expected = split(whole, {text});
+  for (int run = 0; run < 20; ++run) {
+    std::vector<std::string> pieces;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t size = 1 + random() % 9;
+      pieces.push_back(text.substr(at, size));
+      at += size;
+    }
+    LineSplitter splitter(6);
+    EXPECT_EQ(split(splitter, pieces), expected);
+    EXPECT_EQ(splitter.num_too_long(), whole.num_too_long());
+  }
+}
+
+SensorLine good(std::string_view text) {
+  const auto parsed = parse_sensor_line(text);
+  const auto* line = std::get_if<SensorLine>(&parsed);
+  EXPECT_NE(line, nullptr) << text;
+  return line == nullptr ? SensorLine{} : *line;
+}
+
+std::string why(std::string_view text) {
+  const auto parsed = parse_sensor_line(text);
+  const auto* bad = std::get_if<BadLine>(&parsed);
+  return bad == nullptr ? "" : bad->why;
+}
+
+TEST(SensorLine, ReadsVelocities) {
+  const SensorLine line = good("V 0.52 -0.013");
+  const auto& velocity = std::get<VelocityLine>(line.content);
+  EXPECT_DOUBLE_EQ(velocity.speed_mps, 0.52);
+  EXPECT_DOUBLE_EQ(velocity.yaw_rate_radps, -0.013);
+  EXPECT_EQ(velocity.speed_sd_mps, 0.0);
+  EXPECT_FALSE(line.device_time_us);
+  const SensorLine with_sds = good("V,+0.5,\t1e-2, 0.01,0.02 ");
+  EXPECT_DOUBLE_EQ(std::get<VelocityLine>(with_sds.content).yaw_rate_radps, 0.01);
+  EXPECT_DOUBLE_EQ(std::get<VelocityLine>(with_sds.content).yaw_rate_sd_radps, 0.02);
+}
+
+TEST(SensorLine, ReadsTicksTimeAndChecksum) {
+  const SensorLine line = good("T -81734 4294967295 @1520000");
+  EXPECT_EQ(std::get<TickLine>(line.content).left, -81734);
+  EXPECT_EQ(std::get<TickLine>(line.content).right, 4294967295);
+  EXPECT_EQ(line.device_time_us, 1520000);
+  EXPECT_FALSE(line.has_checksum);
+  // Exclusive-or of the bytes of "V 0.52 -0.013 @1500000", computed outside this program.
+  EXPECT_TRUE(good("V 0.52 -0.013 @1500000*1A").has_checksum);
+}
+
+TEST(SensorLine, ReadsAnInertialUnit) {
+  const SensorLine short_line = good("I 0.001 -0.002 0.013 0.05 0.02 9.81");
+  const auto& inertial = std::get<InertialLine>(short_line.content);
+  EXPECT_DOUBLE_EQ(inertial.angular_rate_radps[2], 0.013);
+  EXPECT_DOUBLE_EQ(inertial.acceleration_mps2[2], 9.81);
+  EXPECT_FALSE(inertial.has_orientation);
+  const SensorLine long_line = good("I 0 0 0 0 0 9.8 0.1 0.2 3.0 @7");
+  EXPECT_TRUE(std::get<InertialLine>(long_line.content).has_orientation);
+  EXPECT_DOUBLE_EQ(std::get<InertialLine>(long_line.content).orientation_rad[2], 3.0);
+}
+
+TEST(SensorLine, PassesOverComments) {
+  for (const char* text : {"# V 1 2", "#", "  ", ",,", ""}) {
+    EXPECT_TRUE(std::holds_alternative<Comment>(parse_sensor_line(text))) << text;
+  }
+}
+
+TEST(SensorLine, SaysWhatIsWrong) {
+  EXPECT_EQ(why("V 0.5"), "V needs speed and yaw rate, optionally with their standard deviations");
+  EXPECT_EQ(why("V 0.5 0.x"), "not a number: 0.x");
+  EXPECT_EQ(why("V nan 0"), "not a number: nan");
+  EXPECT_EQ(why("V 0 inf"), "not a number: inf");
+  EXPECT_EQ(why("V 50.1 0"), "out of range: 50.1");
+  EXPECT_EQ(why("V 1 1 -0.1 0"), "out of range: -0.1");
+  EXPECT_EQ(why("V 1e999 1"), "not a number: 1e999");
+  EXPECT_EQ(why("T 1.5 2"), "not a whole number: 1.5");
+  EXPECT_EQ(why("T 1 9223372036854775808"), "not a whole number: 9223372036854775808");
+  EXPECT_EQ(why("X 1 2"), "begins with none of V, T, I and #");
+  EXPECT_EQ(why("v 1 2"), "begins with none of V, T, I and #");
+  EXPECT_EQ(why("V 1 2 @-5"), "@ needs a time in whole microseconds");
+  EXPECT_EQ(why("@5"), "a time without a measurement");
+  EXPECT_EQ(why("V 0.52 -0.013 @1500000*1B"), "the checksum is wrong");
+  EXPECT_EQ(why("V 0.52 -0.013 @1500000*4"), "the checksum is not two hexadecimal digits");
+  EXPECT_EQ(why("V 1 +-2"), "not a number: +-2");
+  EXPECT_EQ(why("I 1 2 3 4 5 6 7"),
+            "I needs 3 rates and 3 accelerations, optionally with 3 angles");
+  EXPECT_EQ(why(std::string(150, 'a') + std::string(40, ' ')), "begins with none of V, T, I and #");
+  EXPECT_EQ(why("V 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1"), "too many words");
+}
+
 }  // namespace
+
 }  // namespace orchard::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "device/camera/picture_limit.hpp"
+#include "device/camera/camera_frame.hpp"
 
 #include <turbojpeg.h>
 

@@ -14,13 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "benchmark/child_process.hpp"
-#include "benchmark/field_drive.hpp"
-#include "benchmark/live_pipeline.hpp"
-#include "benchmark/private_network.hpp"
-#include "benchmark/relay.hpp"
+#include "benchmark/bench_support.hpp"
 #include "benchmark/result_line.hpp"
-#include "benchmark/scan_to_map.hpp"
 #include "bus/messages/codec.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "detector/detector_node.hpp"

@@ -10,17 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/child_process.hpp"
-#include "benchmark/field_drive.hpp"
-#include "benchmark/log_player_loss.hpp"
-#include "benchmark/private_network.hpp"
+#include "benchmark/bench_support.hpp"
 #include "benchmark/result_line.hpp"
 #include "bus/bus.hpp"
 #include "bus/node/node.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/in_process_replay.hpp"
-#include "bus/replay/lockstep_player.hpp"
-#include "bus/replay/lockstep_url.hpp"
+#include "bus/replay/lockstep.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "detector/detector_node.hpp"
 #include "geometry/statistics.hpp"

@@ -13,12 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "benchmark/child_process.hpp"
-#include "benchmark/field_drive.hpp"
-#include "benchmark/live_pipeline.hpp"
-#include "benchmark/private_network.hpp"
+#include "benchmark/bench_support.hpp"
 #include "benchmark/result_line.hpp"
-#include "benchmark/scan_to_map.hpp"
 #include "geometry/statistics.hpp"
 
 namespace {

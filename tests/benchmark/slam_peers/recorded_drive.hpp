@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "detection/detection.hpp"
@@ -30,5 +31,16 @@ struct RecordedDrive {
 /// Two rounds through a block of about `num_trees` trees. Identities are read off the geometry: a
 /// trunk seen belongs to the tree within half a metre of where the true pose puts it.
 RecordedDrive record_drive(std::uint64_t seed, int num_trees);
+
+/// What a competitor is told of the sightings.
+enum class Sightings {
+  kUnknown,     ///< bearing and range, nobody knows of which tree
+  kIdentified,  ///< bearing, range and the tree's number; false sightings left out
+  kScan,        ///< a laser scan with an arc where each trunk was seen and nothing elsewhere
+};
+
+/// Writes the drive as an MRPT rawlog of action/observation pairs, one pair per scan. Throws
+/// std::runtime_error when the file cannot be written.
+void write_rawlog(const RecordedDrive& drive, Sightings sightings, const std::string& path);
 
 }  // namespace orchard::bench

@@ -16,7 +16,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "benchmark/slam_peers/peer_rawlog.hpp"
 #include "benchmark/slam_peers/recorded_drive.hpp"
 #include "evaluation/map_alignment.hpp"
 #include "geometry/rigid_fit2.hpp"

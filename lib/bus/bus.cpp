@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cerrno>
+#include <chrono>
 #include <exception>
 #include <limits>
 #include <numeric>
@@ -13,10 +14,40 @@
 #include <string>
 #include <utility>
 
-#include "bus/node/rejection_log.hpp"
 #include "bus/socket_guard.hpp"
 
 namespace orchard::bus {
+namespace {
+
+/// Logs rejected messages, at most one line per channel and reason in five seconds, so that a flood
+/// of bad datagrams does not flood the log.
+class RejectionLog {
+ public:
+  void note(Channel channel, const Rejection& rejection) {
+    const auto index = static_cast<std::size_t>(channel) * kNumReasons +
+                       static_cast<std::size_t>(rejection.reason);
+    Entry& entry = entries_[index];
+    const auto now = std::chrono::steady_clock::now();
+    if (entry.used && now - entry.last < std::chrono::seconds(5)) {
+      ++entry.num_silent;
+      return;
+    }
+    spdlog::warn(
+        "{}: refused an invalid message ({}: {}); {} more of this kind since the last report",
+        info(channel).name, to_string(rejection.reason), rejection.detail, entry.num_silent);
+    entry = {now, 0, true};
+  }
+
+ private:
+  struct Entry {
+    std::chrono::steady_clock::time_point last{};
+    std::int64_t num_silent = 0;
+    bool used = false;
+  };
+  std::array<Entry, kNumChannels * kNumReasons> entries_;
+};
+
+}  // namespace
 
 std::int64_t BusCounts::num_bad() const {
   return std::accumulate(num_rejected.begin(), num_rejected.end(), std::int64_t{0});

@@ -2,12 +2,12 @@
 #include "camera_driver/camera_driver.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
-#include "bus/driver/played_log.hpp"
+#include "bus/driver/source.hpp"
+#include "bus/process/process.hpp"
 #include "io/camera/picture_camera.hpp"
 #include "io/camera/v4l2_camera.hpp"
 
@@ -51,18 +51,9 @@ class LogCamera : public io::CameraSource {
   bus::PlayedLog log_;
 };
 
-std::int64_t parse_utime(const std::string& text) {
-  std::int64_t utime = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), utime);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || utime < 0) {
-    throw std::invalid_argument("--emulate-at " + text + ": must be microseconds since 1970");
-  }
-  return utime;
-}
-
 std::unique_ptr<io::CameraSource> open_source(const CameraDriverOptions& options,
                                               const io::Config& config) {
-  const std::int64_t start_utime = options.emulate_at.empty() ? 0 : parse_utime(options.emulate_at);
+  const std::int64_t start_utime = bus::parse_utime("--emulate-at", options.emulate_at);
   if (!options.emulate.empty()) return std::make_unique<LogCamera>(options.emulate, start_utime);
   const std::string& device =
       options.device.empty() ? config.drivers.camera.device : options.device;

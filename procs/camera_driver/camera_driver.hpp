@@ -7,9 +7,8 @@
 #include <string>
 
 #include "bus/driver/driver.hpp"
-#include "device/camera/camera_driver_config.hpp"
-#include "device/camera/frame_watch.hpp"
-#include "device/camera/picture_limit.hpp"
+#include "device/camera/camera_frame.hpp"
+#include "device/drivers_config.hpp"
 #include "io/camera/camera_source.hpp"
 #include "io/config/config.hpp"
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "bus/node/node.hpp"
 #include "detection/consistency_monitor.hpp"
@@ -11,12 +14,114 @@
 #include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
-#include "detector/detection_precomputer.hpp"
-#include "detector/input_health.hpp"
-#include "detector/judged_pair.hpp"
 #include "io/config/config.hpp"
+#include "laser/own_returns.hpp"
+#include "laser/scan.hpp"
+#include "vision/image.hpp"
 
 namespace orchard::procs {
+
+/// Diagnoses a detector's inputs as text for the user: no picture arrives, none is usable, ODOMETRY
+/// is missing, scans show the robot itself. Changes no output.
+class InputHealth {
+ public:
+  explicit InputHealth(const io::Config& config);
+
+  void note_scan(const laser::Scan& scan) { own_returns_.add(scan); }
+  void note_rear_scan(const laser::Scan& scan) { rear_own_returns_.add(scan); }
+  /// Notes a scan that was answered without a picture.
+  void note_no_picture();
+  /// Notes a scan that was answered with a picture. `without_motion`: motion was required and none
+  /// was available.
+  void note_picture(bool without_motion);
+  /// Notes whether a picture that was needed was usable.
+  void note_needed_picture(const vision::Image& image, bool is_usable);
+
+  /// The current faults; with `ended` those of the whole run. `num_without_motion`: pictures used
+  /// without motion so far.
+  std::string text(bool ended, std::int64_t num_without_motion) const;
+
+ private:
+  std::string picture_text(bool ended) const;
+  std::string unusable_text(bool ended) const;
+  std::string odometry_text(bool ended, std::int64_t num_without_motion) const;
+
+  bool has_camera_;
+  std::int32_t width_px_;
+  std::int32_t height_px_;
+  laser::OwnReturns own_returns_;
+  laser::OwnReturns rear_own_returns_;
+  std::int64_t num_pictures_ = 0;         ///< pictures paired with a scan
+  std::int64_t num_without_picture_ = 0;  ///< scans without a picture
+  std::int64_t num_since_picture_ = 0;    ///< scans without a picture since the last one with
+  bool last_without_motion_ = false;      ///< the newest pair had no motion, although required
+  std::int64_t num_usable_ = 0;           ///< usable ones among the needed pictures
+  std::int64_t num_unusable_ = 0;
+  std::int64_t num_since_usable_ = 0;
+  std::int32_t bad_width_px_ = 0;  ///< size of the newest unusable picture
+  std::int32_t bad_height_px_ = 0;
+};
+
+/// Detections of a scan and its picture.
+struct JudgedPair {
+  detection::DetectResult result;
+  /// Found minus expected column of each object's centre [px]; none when the edges were not
+  /// compared.
+  std::optional<std::vector<double>> edge_offsets_px;
+};
+
+/// Classifies the laser findings of a scan with its picture. A pure function. With `edge_reach_px`,
+/// also searches the image edges within this window [px] for the extrinsics monitor, without effect
+/// on the detections.
+JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
+                      const detection::Rig& rig, std::optional<double> edge_reach_px);
+
+/// The detector's results for one input, computed ahead of its turn.
+class PrecomputedDetections : public bus::Precomputation {
+ public:
+  void compute() override;
+
+  /// The result for a scan without a camera; none for any other input.
+  std::optional<detection::DetectResult> alone;
+  /// The scan-image pairs completed by the input, in order.
+  struct Pair {
+    detection::ScanImagePair pair;
+    std::optional<double> edge_reach_px;
+    JudgedPair judged;
+
+    /// True if this is the pair and the search window that the detector itself arrived at.
+    bool is_of(const detection::ScanImagePair& other,
+               const std::optional<double>& other_reach_px) const;
+  };
+  std::vector<Pair> pairs;
+
+ private:
+  friend class DetectionPrecomputer;
+  const detection::Rig* rig_ = nullptr;
+  const laser::Scan* scan_alone_ = nullptr;
+};
+
+/// Predicts the detector's work from the inputs alone: the pairing of scans with pictures and
+/// motions depends on nothing else, and neither do the results.
+class DetectionPrecomputer {
+ public:
+  /// Both rigs must outlive this object and its results; `rear_rig` may be null.
+  DetectionPrecomputer(const io::Config& config, const detection::Rig& rig,
+                       const detection::Rig* rear_rig, double edge_reach_px);
+
+  /// Takes the inputs in order. Every scan gives a result.
+  std::unique_ptr<PrecomputedDetections> precompute(const bus::Message& input);
+
+ private:
+  const detection::Rig& rig_;
+  const detection::Rig* rear_rig_;
+  double edge_reach_px_;
+  detection::ScanImagePairer pairer_;
+  detection::ConsistencyMonitor monitor_;  ///< only for is_due()
+};
+
+/// Makes the pairer of scans and pictures for a configuration.
+detection::ScanImagePairer make_pairer(const io::Config& config);
 
 /// Detects trunks: SCAN and IMAGE in, DETECTIONS out, one message per scan in order of the scans.
 ///

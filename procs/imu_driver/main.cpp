@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/process/stream_process.hpp"
+#include "bus/process/process.hpp"
 #include "io/config/config.hpp"
 #include "odometry_driver/controller_device.hpp"
 

@@ -8,20 +8,48 @@
 #include <memory>
 
 #include "bus/driver/live_driver.hpp"
-#include "bus/driver/paced_source.hpp"
+#include "bus/driver/source.hpp"
 #include "bus/node/stop_signal.hpp"
-#include "bus/replay/lockstep_player.hpp"
-#include "bus/replay/lockstep_url.hpp"
+#include "bus/replay/lockstep.hpp"
+#include "bus/replay/replay_index.hpp"
 #include "detector/detector_node.hpp"
+#include "io/log/log_reader.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/progress_bar.hpp"
-#include "log_player/log_source.hpp"
 #include "log_player/verification.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
 namespace orchard::procs {
 namespace {
+
+/// Source of the sensor messages of a log, in replay order.
+class LogSource : public bus::Source {
+ public:
+  /// Throws io::FileError as bus::index_log does.
+  LogSource(const std::string& log_path, const bus::ReplayOptions& options)
+      : index_(bus::index_log(log_path, options)),
+        next_(index_.entries.begin()),
+        reader_(log_path) {}
+
+  std::optional<bus::Message> next() override {
+    if (next_ == index_.entries.end()) return std::nullopt;
+    const bus::ReplayEntry entry = *next_;
+    ++next_;
+    const std::vector<std::uint8_t> bytes = reader_.read_at(entry.offset).data;
+    // The index holds only messages that passed the guard.
+    return std::get<bus::Message>(bus::decode(entry.channel, bytes.data(), bytes.size()));
+  }
+  std::optional<double> duration_s() const override {
+    return 1e-6 * static_cast<double>(index_.report.last_utime - index_.report.first_utime);
+  }
+  const bus::ReplayReport& report() const { return index_.report; }
+
+ private:
+  bus::ReplayIndex index_;
+  bus::ReplayEntries::Iterator next_;
+  io::LogReader reader_;
+};
 
 /// Sink of derived messages: a log, a comparison, or both.
 class Sink {
@@ -120,11 +148,11 @@ int play_in_lockstep(const PlayerOptions& options) {
 }
 
 int play_paced(const PlayerOptions& options) {
-  LogSource source(options.log_path, options.replay);
-  for (const std::string& warning : source.report().warnings) spdlog::warn("{}", warning);
+  auto source = std::make_unique<LogSource>(options.log_path, options.replay);
+  for (const std::string& warning : source->report().warnings) spdlog::warn("{}", warning);
   bus::StopSignal stop;
   bus::Bus bus(options.rig.config().lcm.url);
-  bus::PacedSource paced(source, options.process.speed);
+  bus::PacedSource paced(std::move(source), options.process.speed);
   bus::LiveDriver(bus, paced, "orchard-log-player", options.process).run(stop);
   return bus::kExitOk;
 }

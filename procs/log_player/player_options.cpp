@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "log_player/player_options.hpp"
+#include "log_player/player.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -7,7 +7,7 @@
 #include <iostream>
 #include <utility>
 
-#include "bus/node/common_options.hpp"
+#include "bus/node/process_options.hpp"
 #include "io/file_error.hpp"
 #include "log_player/replay_rig.hpp"
 

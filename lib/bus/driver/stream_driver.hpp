@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bus/driver/driver.hpp"
-#include "bus/driver/host_clock.hpp"
 #include "bus/driver/port.hpp"
 #include "device/protocol.hpp"
 #include "io/recording/raw_bytes.hpp"

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -40,5 +41,13 @@ std::vector<std::uint8_t> encode(const Message& message);
 /// and the consistency of the fields. Invalid bytes never throw. Throws std::invalid_argument for a
 /// service channel.
 std::variant<Message, Rejection> decode(Channel channel, const void* data, std::size_t size);
+
+/// LCM type hash of a channel: the first eight bytes of each of its messages.
+std::int64_t type_hash(Channel channel);
+
+/// Checks the size and the type hash of received bytes. `min_bytes` is the encoded size with empty
+/// arrays. Returns the reason for rejection, or none.
+std::optional<Rejection> check_head(Channel channel, const void* data, std::size_t size,
+                                    std::size_t min_bytes);
 
 }  // namespace orchard::bus

@@ -2,7 +2,6 @@
 #include "bus/messages/service_messages.hpp"
 
 #include "bus/messages/field_codec.hpp"
-#include "bus/messages/service_fields.hpp"
 
 namespace orchard::bus {
 

@@ -11,7 +11,7 @@
 #include "bus/node/input_watch.hpp"
 #include "bus/node/node_host.hpp"
 #include "bus/node/peer_processes.hpp"
-#include "bus/node/process_info.hpp"
+#include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 

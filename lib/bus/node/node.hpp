@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "bus/messages/codec.hpp"
 #include "bus/messages/message.hpp"
 
 namespace orchard::bus {
@@ -90,5 +93,19 @@ class Node {
   /// nothing. Shown in STATUS with level WARNING. After flush(): all problems seen during the run.
   virtual std::string warning() const { return {}; }
 };
+
+/// Messages handled, published, rejected and lost, for a log or a live process.
+struct TrafficCounts {
+  std::array<std::int64_t, kNumChannels> num_in{};   ///< messages passed to nodes
+  std::array<std::int64_t, kNumChannels> num_out{};  ///< messages sent by nodes
+  std::array<std::int64_t, kNumReasons> num_rejected{};
+  std::int64_t num_duplicates = 0;
+  std::int64_t num_seq_gaps = 0;  ///< messages missing by seq
+};
+
+/// Lists the counts by name as written to summary.json: channels with messages, all rejection
+/// reasons, and the unused inputs of each node. Names contain no spaces.
+std::vector<std::pair<std::string, std::int64_t>> named_counts(
+    const TrafficCounts& traffic, const std::vector<const Node*>& nodes);
 
 }  // namespace orchard::bus

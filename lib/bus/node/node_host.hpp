@@ -9,7 +9,6 @@
 
 #include "bus/node/node.hpp"
 #include "bus/node/sequence_gate.hpp"
-#include "bus/node/traffic_counts.hpp"
 
 namespace orchard::bus {
 

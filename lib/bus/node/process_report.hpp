@@ -6,10 +6,30 @@
 #include <string>
 
 #include "bus/bus.hpp"
-#include "bus/node/service_notifier.hpp"
 #include "io/config/config_file.hpp"
 
 namespace orchard::bus {
+
+/// Reports the process state to a supervisor by systemd's notification protocol (sd_notify(3)): one
+/// datagram to the socket named by NOTIFY_SOCKET. Does nothing when that variable is not set.
+class ServiceNotifier {
+ public:
+  ServiceNotifier();
+  ~ServiceNotifier();
+  ServiceNotifier(const ServiceNotifier&) = delete;
+  ServiceNotifier& operator=(const ServiceNotifier&) = delete;
+
+  /// Reports READY: initialization is complete.
+  void ready();
+
+  /// Feeds the watchdog; call it from the process's loop. `text` is shown by systemctl status.
+  void alive(const std::string& text);
+
+ private:
+  void send(const std::string& state);
+  int fileno_ = -1;
+  std::string said_;
+};
 
 /// Wall clock time [us]; for messages about processes, never for measurements.
 std::int64_t wall_utime();

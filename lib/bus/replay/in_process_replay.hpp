@@ -8,7 +8,6 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/node.hpp"
-#include "bus/node/traffic_counts.hpp"
 #include "io/log/log_series.hpp"
 
 namespace orchard::bus {

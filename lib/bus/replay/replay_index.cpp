@@ -14,12 +14,74 @@
 #include <utility>
 
 #include "bus/node/sequence_gate.hpp"
-#include "bus/replay/arrival_delays.hpp"
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::bus {
 namespace {
+
+/// Seven bits a byte, the lowest first; differences of either sign are small numbers.
+void put(std::uint64_t value, std::vector<std::uint8_t>& bytes) {
+  for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 0x80));
+  bytes.push_back(static_cast<std::uint8_t>(value));
+}
+
+std::uint64_t get(const std::vector<std::uint8_t>& bytes, std::size_t& at) {
+  std::uint64_t value = 0;
+  for (int shift = 0;; shift += 7) {
+    const std::uint8_t byte = bytes[at++];
+    value |= std::uint64_t{byte & 0x7Fu} << shift;
+    if (byte < 0x80) return value;
+  }
+}
+
+/// Modulo 2^64, so that any two values have a difference.
+std::uint64_t folded(std::uint64_t now, std::uint64_t before) {
+  const std::uint64_t change = now - before;
+  return (change << 1) ^ (0 - (change >> 63));
+}
+std::uint64_t unfolded(std::uint64_t folded_change, std::uint64_t before) {
+  return before + ((folded_change >> 1) ^ (0 - (folded_change & 1)));
+}
+
+constexpr std::size_t kSamplesMax = 4096;
+constexpr std::size_t kSamplesMin = 20;
+
+/// Max interquartile range of a channel's delays. A larger one means that the log was not recorded
+/// in real time: it was played faster, or its times are artificial.
+constexpr std::int64_t kSteady_us = 100'000;
+
+/// No message is recorded before its measurement; clocks synchronized over a network agree to this.
+constexpr std::int64_t kBefore_us = 50'000;
+
+/// Larger than the delays of a sweep, an exposure, compression and a wireless network together.
+constexpr std::int64_t kApart_us = 300'000;
+
+/// Channels that publish without delay; GNSS and POSE_FIX do not.
+constexpr std::array<Channel, 5> kPrompt = {Channel::kScan, Channel::kScanRear, Channel::kImage,
+                                            Channel::kOdometry, Channel::kImu};
+
+std::int64_t quantile(std::vector<std::int64_t> values, double fraction) {
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string seconds_text(std::int64_t us) { return fixed_text(1e-6 * static_cast<double>(us), 2); }
+
+struct Delay {
+  Channel channel;
+  std::int64_t median_us;
+};
+
+std::string names_of(const std::vector<Delay>& delays) {
+  std::string text;
+  for (const Delay& delay : delays) {
+    text += (text.empty() ? "" : ", ") + std::string(info(delay.channel).name);
+  }
+  return text;
+}
 
 /// Whether the name is that of an additional sensor of a known kind, such as "IMAGE.left".
 bool is_second_sensor(const std::string& channel) {
@@ -158,6 +220,87 @@ void put_in_order(Gathered& gathered, const ReplayOptions& options, ReplayIndex&
 }
 
 }  // namespace
+
+void ReplayEntries::push_back(const ReplayEntry& entry) {
+  std::int32_t& seq = last_.seq[static_cast<std::size_t>(entry.channel)];
+  bytes_.push_back(static_cast<std::uint8_t>(entry.channel));
+  put(folded(static_cast<std::uint64_t>(entry.utime), static_cast<std::uint64_t>(last_.utime)),
+      bytes_);
+  put(folded(static_cast<std::uint64_t>(entry.seq), static_cast<std::uint64_t>(seq)), bytes_);
+  put(folded(entry.offset, last_.offset), bytes_);
+  last_.utime = entry.utime;
+  last_.offset = entry.offset;
+  seq = entry.seq;
+  ++size_;
+}
+
+void ReplayEntries::Iterator::read() {
+  if (at_ == bytes_->size()) return;
+  next_ = at_;
+  entry_.channel = static_cast<Channel>((*bytes_)[next_++]);
+  std::int32_t& seq = last_.seq[static_cast<std::size_t>(entry_.channel)];
+  last_.utime = static_cast<std::int64_t>(
+      unfolded(get(*bytes_, next_), static_cast<std::uint64_t>(last_.utime)));
+  seq = static_cast<std::int32_t>(unfolded(get(*bytes_, next_), static_cast<std::uint64_t>(seq)));
+  last_.offset = unfolded(get(*bytes_, next_), last_.offset);
+  entry_.utime = last_.utime;
+  entry_.seq = seq;
+  entry_.offset = last_.offset;
+}
+
+ReplayEntries::Iterator ReplayEntries::begin() const {
+  Iterator first(bytes_, 0);
+  first.read();
+  return first;
+}
+
+ReplayEntries::Iterator& ReplayEntries::Iterator::operator++() {
+  at_ = next_;
+  read();
+  return *this;
+}
+
+void ArrivalDelays::add(Channel channel, std::int64_t utime, std::int64_t recorded_utime) {
+  if (std::find(kPrompt.begin(), kPrompt.end(), channel) == kPrompt.end()) return;
+  Sample& sample = samples_[static_cast<std::size_t>(channel)];
+  if (sample.num++ % sample.every != 0) return;
+  sample.delays_us.push_back(recorded_utime - utime);
+  if (sample.delays_us.size() < kSamplesMax) return;
+  sample.every *= 2;
+  for (std::size_t i = 1; 2 * i < sample.delays_us.size(); ++i) {
+    sample.delays_us[i] = sample.delays_us[2 * i];
+  }
+  sample.delays_us.resize(sample.delays_us.size() / 2);
+}
+
+std::vector<std::string> ArrivalDelays::warnings() const {
+  std::vector<Delay> delays;
+  for (const Channel channel : kPrompt) {
+    const std::vector<std::int64_t>& all = samples_[static_cast<std::size_t>(channel)].delays_us;
+    if (all.size() < kSamplesMin) continue;
+    if (quantile(all, 0.75) - quantile(all, 0.25) > kSteady_us) continue;
+    delays.push_back({channel, quantile(all, 0.5)});
+  }
+  if (delays.size() < 2) return {};
+  std::stable_sort(delays.begin(), delays.end(),
+                   [](const Delay& a, const Delay& b) { return a.median_us < b.median_us; });
+  const std::int64_t least_us = delays.front().median_us, most_us = delays.back().median_us;
+  const bool some_are_ahead = least_us < -kBefore_us && most_us >= -kBefore_us;
+  if (!some_are_ahead && most_us - least_us <= kApart_us) return {};
+  const std::int64_t limit_us = some_are_ahead ? -kBefore_us : least_us + kApart_us;
+  const auto split = std::partition_point(delays.begin(), delays.end(),
+                                          [&](const Delay& d) { return d.median_us < limit_us; });
+  const std::vector<Delay> early(delays.begin(), split), late(split, delays.end());
+  const std::string by = seconds_text(most_us - least_us) + " s";
+  if (some_are_ahead) {
+    return {"the clock of the sender of " + names_of(early) + " is " + by + " ahead of that of " +
+            names_of(late) +
+            ": messages were logged before their own time stamp. Positions are wrong by the "
+            "distance driven in that time; synchronise the clocks"};
+  }
+  return {names_of(late) + " was logged " + by + " later after its time stamp than " +
+          names_of(early) + ": the clock of its sender is behind, or it was delayed"};
+}
 
 ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   const std::string log_path = logs.text();

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bus/messages/channel.hpp"
-#include "bus/node/common_options.hpp"
+#include "bus/node/process_options.hpp"
 #include "cli/rig/suggestion.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-#include "bus/bot_core/bot_core_translator.hpp"
+#include "bus/bot_core/bot_core_driver.hpp"
 #include "bus/messages/codec.hpp"
 #include "bus/process/process.hpp"
 #include "cli/logs/import_bags.hpp"

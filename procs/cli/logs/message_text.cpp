@@ -2,10 +2,11 @@
 #include "cli/logs/message_text.hpp"
 
 #include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 
 #include "bus/messages/fields.hpp"
-#include "bus/messages/service_fields.hpp"
+#include "bus/messages/service_messages.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -4,8 +4,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "bus/replay/lockstep_player.hpp"
-#include "bus/replay/lockstep_url.hpp"
+#include "bus/replay/lockstep.hpp"
 #include "io/log/log_writer.hpp"
 #include "node/bus/fake_log.hpp"
 #include "node/bus/fake_nodes.hpp"

@@ -318,7 +318,7 @@ laser::Scan BoardScene::scan(const Eigen::Isometry3d& T_camera_board, std::uint6
   const Eigen::Vector2d person = middle + 0.5 * away;
   const Eigen::Vector2d side = 0.14 * Eigen::Vector2d(-away.y(), away.x());
   for (const Target leg : {kLeftLeg, kRightLeg}) {
-    const Eigen::Vector2d p = leg == kLeftLeg ? person + side : person - side;
+    const Eigen::Vector2d p = person + (leg == kLeftLeg ? 1.0 : -1.0) * side;
     world.cylinders.push_back({p.x(), p.y(), 0.065, 10.0, 0.0, leg, {}});
   }
   Random random(seed_, Stream::kScan, index);

@@ -6,6 +6,9 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
 
 #include "bus/driver/live_driver.hpp"
 #include "bus/driver/source.hpp"

@@ -2,6 +2,7 @@
 //
 // Any bytes of a device. The first byte chooses the device and its settings, the second how the
 // bytes are cut into pieces.
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <memory>

@@ -7,9 +7,8 @@
 #include <string>
 
 #include "bus/bus.hpp"
-#include "bus/node/inbox.hpp"
-#include "bus/node/input_watch.hpp"
-#include "bus/node/node_host.hpp"
+#include "bus/node/live_inputs.hpp"
+#include "bus/node/node.hpp"
 #include "bus/node/peer_processes.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"

@@ -2,6 +2,10 @@
 #include "bus/node/node.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "bus/messages/codec.hpp"
 
 namespace orchard::bus {
 
@@ -26,6 +30,55 @@ std::vector<std::pair<std::string, std::int64_t>> named_counts(
   }
   for (auto& [name, value] : counts) std::replace(name.begin(), name.end(), ' ', '_');
   return counts;
+}
+
+NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::move(publish)) {
+  outbox_ = [this](const Message& message) {
+    ++traffic_.num_out[static_cast<std::size_t>(channel_of(message))];
+    publish_({channel_of(message), seq_of(message), utime_of(message), encode(message)});
+  };
+}
+
+bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival_us) {
+  const Channel channel = channel_of(input);
+  std::vector<Message>& held = held_[static_cast<std::size_t>(channel)];
+  const GateDecision decision = gate_.accept(channel, seq_of(input), utime_of(input), arrival_us);
+  if (decision == GateDecision::kHeld) {
+    held.push_back(input);
+    const std::size_t num_old = held.size() - static_cast<std::size_t>(gate_.num_held(channel));
+    held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(num_old));
+    return false;
+  }
+  // Nodes require increasing seq.
+  if (decision == GateDecision::kDuplicate || decision == GateDecision::kReordered) return false;
+  if (decision == GateDecision::kConfirmed) {
+    for (const Message& message : held) deliver(message);
+  }
+  held.clear();
+  deliver(input);
+  return true;
+}
+
+void NodeHost::deliver(const Message& input) {
+  ++traffic_.num_in[static_cast<std::size_t>(channel_of(input))];
+  node_.handle(input, outbox_);
+}
+
+void NodeHost::flush() { node_.flush(outbox_); }
+
+std::int64_t NodeHost::num_handled() const {
+  return std::accumulate(traffic_.num_in.begin(), traffic_.num_in.end(), std::int64_t{0});
+}
+
+std::int64_t NodeHost::num_published() const {
+  return std::accumulate(traffic_.num_out.begin(), traffic_.num_out.end(), std::int64_t{0});
+}
+
+TrafficCounts NodeHost::traffic() const {
+  TrafficCounts traffic = traffic_;
+  traffic.num_duplicates = gate_.counts().num_duplicate;
+  traffic.num_seq_gaps = gate_.counts().num_lost;
+  return traffic;
 }
 
 }  // namespace orchard::bus

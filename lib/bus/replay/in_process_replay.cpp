@@ -2,11 +2,17 @@
 #include "bus/replay/in_process_replay.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <tuple>
 #include <utility>
 
-#include "bus/replay/node_chain.hpp"
 #include "bus/replay/ordered_pipeline.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "io/file_error.hpp"
@@ -18,6 +24,153 @@ namespace {
 /// batches in work need little memory.
 constexpr std::size_t kBatchEvents = 64;
 constexpr std::size_t kBatchBytes = 1u << 20;
+
+/// A source message on its way through the nodes, with the messages derived from it so far.
+struct ReplayEvent {
+  ReplayEvent() = default;
+  ReplayEvent(ReplayEvent&&) = default;
+  ReplayEvent& operator=(ReplayEvent&&) = default;
+
+  /// A message sent by a node.
+  struct Derived {
+    /// Chain of causes from the source message on: pairs of (node, index among its outputs).
+    /// Shorter chains come first, as on a bus that delivers in turn.
+    std::vector<std::int32_t> way;
+    Output output;
+    std::optional<Message> message;  ///< decoded, if a later node reads its channel
+  };
+
+  std::optional<Message> source;                             ///< none: the event is only a flush
+  std::size_t flushed_node = 0;                              ///< for an event without source
+  std::vector<std::unique_ptr<Precomputation>> precomputed;  ///< one per node
+  std::deque<Derived> derived;  // a deque: appending does not move what a node is reading
+};
+
+/// A chain of nodes, each reading source messages and outputs of earlier nodes. Every node gets its
+/// inputs in the order of a bus that is drained after each source message, even while earlier nodes
+/// already process later events.
+class NodeChain {
+ public:
+  explicit NodeChain(const std::vector<Node*>& nodes);
+
+  std::size_t size() const { return nodes_.size(); }
+  bool is_read(Channel channel) const { return is_read_from(0, channel); }
+
+  /// Asks every node for work that can be computed in advance. Call for events in order.
+  void precompute(ReplayEvent& event) const;
+  /// Computes that work; may run for several events at once.
+  static void compute_ahead(ReplayEvent& event);
+  /// Passes the event's messages to one node. Call for events in order, after the earlier nodes.
+  /// Throws std::logic_error for an output that is invalid, or that this or an earlier node reads.
+  void pass(std::size_t node, ReplayEvent& event);
+
+ private:
+  bool is_read_from(std::size_t node, Channel channel) const;
+  void take_output(std::size_t node, Output&& output);
+
+  std::vector<Node*> nodes_;
+  std::vector<std::vector<bool>> reads_;  ///< node, channel
+  /// Receives a node's outputs while it is in pass().
+  struct Sink {
+    ReplayEvent* event = nullptr;
+    std::vector<std::int32_t> cause;  ///< chain of causes of the message being handled
+    std::int32_t num_sent = 0;
+  };
+  std::vector<Sink> sinks_;
+  std::vector<std::unique_ptr<NodeHost>> hosts_;
+};
+
+bool is_before(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
+  return a.size() != b.size() ? a.size() < b.size() : a < b;
+}
+
+NodeChain::NodeChain(const std::vector<Node*>& nodes) : nodes_(nodes), sinks_(nodes.size()) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    std::vector<bool> reads(kNumChannels, false);
+    for (const Channel channel : nodes[i]->inputs())
+      reads[static_cast<std::size_t>(channel)] = true;
+    reads_.push_back(std::move(reads));
+    hosts_.push_back(std::make_unique<NodeHost>(
+        *nodes[i], [this, i](Output&& output) { take_output(i, std::move(output)); }));
+  }
+}
+
+bool NodeChain::is_read_from(std::size_t node, Channel channel) const {
+  for (; node < reads_.size(); ++node) {
+    if (reads_[node][static_cast<std::size_t>(channel)]) return true;
+  }
+  return false;
+}
+
+void NodeChain::precompute(ReplayEvent& event) const {
+  event.precomputed.clear();
+  if (!event.source) return;
+  const auto channel = static_cast<std::size_t>(channel_of(*event.source));
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    event.precomputed.push_back(reads_[i][channel] ? nodes_[i]->precompute(*event.source)
+                                                   : nullptr);
+  }
+}
+
+void NodeChain::compute_ahead(ReplayEvent& event) {
+  for (const auto& precomputed : event.precomputed) {
+    if (precomputed) precomputed->compute();
+  }
+}
+
+void NodeChain::pass(std::size_t node, ReplayEvent& event) {
+  NodeHost& host = *hosts_[node];
+  Sink& sink = sinks_[node];
+  sink.event = &event;
+  const std::vector<bool>& reads = reads_[node];
+  std::vector<std::size_t> inputs;  // outputs of earlier nodes; this node appends its own
+  for (std::size_t i = 0; i < event.derived.size(); ++i) {
+    const ReplayEvent::Derived& derived = event.derived[i];
+    if (reads[static_cast<std::size_t>(derived.output.channel)]) inputs.push_back(i);
+  }
+  std::sort(inputs.begin(), inputs.end(), [&event](std::size_t a, std::size_t b) {
+    return is_before(event.derived[a].way, event.derived[b].way);
+  });
+  const auto begin = [&sink](std::vector<std::int32_t> cause) {
+    sink.cause = std::move(cause);
+    sink.num_sent = 0;
+  };
+  begin({});
+  if (!event.source) {
+    if (event.flushed_node == node) host.flush();
+  } else if (reads[static_cast<std::size_t>(channel_of(*event.source))]) {
+    if (node < event.precomputed.size())
+      host.node().use_precomputed(std::move(event.precomputed[node]));
+    host.deliver(*event.source);
+  }
+  for (const std::size_t i : inputs) {
+    begin(event.derived[i].way);
+    host.deliver(*event.derived[i].message);
+  }
+}
+
+void NodeChain::take_output(std::size_t node, Output&& output) {
+  Sink& sink = sinks_[node];
+  ReplayEvent::Derived derived{sink.cause, {}, std::nullopt};
+  derived.way.push_back(static_cast<std::int32_t>(node));
+  derived.way.push_back(sink.num_sent++);
+  const std::string name(info(output.channel).name);
+  for (std::size_t i = 0; i <= node; ++i) {
+    if (reads_[i][static_cast<std::size_t>(output.channel)]) {
+      throw std::logic_error("a node reads " + name + ", which it or a later node sends");
+    }
+  }
+  if (is_read_from(node + 1, output.channel)) {
+    auto decoded = decode(output.channel, output.bytes.data(), output.bytes.size());
+    if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
+      throw std::logic_error("a node sent a " + name +
+                             " that the guard refuses: " + rejection->detail);
+    }
+    derived.message = std::get<Message>(std::move(decoded));
+  }
+  derived.output = std::move(output);
+  sink.event->derived.push_back(std::move(derived));
+}
 
 /// Events that pass through the nodes together.
 struct Batch {

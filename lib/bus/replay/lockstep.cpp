@@ -15,7 +15,7 @@
 #include <tuple>
 #include <utility>
 
-#include "bus/node/node_host.hpp"
+#include "bus/node/node.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "orchard/ack_t.hpp"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bus/bus.hpp"
-#include "bus/node/node_host.hpp"
+#include "bus/node/node.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"

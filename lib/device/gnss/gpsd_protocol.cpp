@@ -184,7 +184,7 @@ constexpr double kImplausibleLead_s = 2.0;
 constexpr std::size_t kShownBytes = 60;
 
 /// A JSON string literal: quotes and backslashes escaped.
-std::string quoted(std::string_view text) {
+std::string json_quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char byte : text) {
     if (byte == '"' || byte == '\\') quoted += '\\';
@@ -305,7 +305,7 @@ void GpsdProtocol::connected(std::int64_t host_utime) {
   deadline_ = host_utime + kSilence_us;
   // gpsd_json(5): ?WATCH. With "device" gpsd sends the reports of that receiver only.
   to_send_ = "?WATCH={\"enable\":true,\"json\":true" +
-             (config_.receiver.empty() ? "" : ",\"device\":" + quoted(config_.receiver)) + "};\n";
+             (config_.receiver.empty() ? "" : ",\"device\":" + json_quoted(config_.receiver)) + "};\n";
 }
 
 void GpsdProtocol::receive(std::string_view bytes, std::int64_t host_utime) {

@@ -17,24 +17,6 @@
 
 namespace orchard::device {
 
-/// NMEA GGA quality of a gpsd fix.
-std::int8_t gga_quality(const GpsdFix& fix);
-
-/// The name of a GGA quality for the user: "RTK fixed".
-std::string quality_name(std::int8_t quality);
-
-/// ENU covariance [m2] of a fix: ee en eu nn nu uu; all 0 when unknown. `noise`: of the same
-/// moment, or null.
-///
-/// Uses the best source available: the receiver's error ellipse or standard deviations (GST), then
-/// eph and epv, then epx, epy and epv. For an RTK solution the last two count only up to 1 m: gpsd
-/// computes eph of NMEA receivers as a range error of metres times the dilution of precision, which
-/// says nothing about RTK.
-std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise);
-
-/// Converts a fix to a measurement with utime 0; none when it has no position.
-std::optional<pose::Gnss> to_measurement(const GpsdFix& fix, const GpsdNoise* noise);
-
 /// A TPV report of gpsd: time and position. Fields that the receiver does not report are absent.
 struct GpsdFix {
   std::string device;
@@ -89,6 +71,24 @@ GpsdReport parse_gpsd_report(std::string_view line);
 /// Parses a time such as "2026-05-04T10:11:12.250Z" to microseconds since 1970; none when
 /// malformed.
 std::optional<std::int64_t> parse_utc(std::string_view text);
+
+/// NMEA GGA quality of a gpsd fix.
+std::int8_t gga_quality(const GpsdFix& fix);
+
+/// The name of a GGA quality for the user: "RTK fixed".
+std::string quality_name(std::int8_t quality);
+
+/// ENU covariance [m2] of a fix: ee en eu nn nu uu; all 0 when unknown. `noise`: of the same
+/// moment, or null.
+///
+/// Uses the best source available: the receiver's error ellipse or standard deviations (GST), then
+/// eph and epv, then epx, epy and epv. For an RTK solution the last two count only up to 1 m: gpsd
+/// computes eph of NMEA receivers as a range error of metres times the dilution of precision, which
+/// says nothing about RTK.
+std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise);
+
+/// Converts a fix to a measurement with utime 0; none when it has no position.
+std::optional<pose::Gnss> to_measurement(const GpsdFix& fix, const GpsdNoise* noise);
 
 /// Protocol of gpsd: requests reports and converts each new fix to a measurement.
 class GpsdProtocol : public Protocol {

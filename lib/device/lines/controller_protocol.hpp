@@ -16,44 +16,6 @@
 
 namespace orchard::device {
 
-/// From what the wheels' counters stand at to velocities of base: the mean over the step between
-/// two lines, stamped at its end. A line that was lost costs no distance, since counters go on.
-class WheelTicks {
- public:
-  /// What a line gave.
-  enum class Outcome {
-    kMoved,   ///< odometry()
-    kFirst,   ///< the first, or the first after more than a second: the next one has a step
-    kNoTime,  ///< no later than the one before: refused
-    kJumped,  ///< faster than any robot drives: the controller was restarted; begins anew
-  };
-
-  explicit WheelTicks(const OdometryDriverConfig& config) : config_(config) {}
-
-  /// `utime`: when the counters stood there [us].
-  Outcome add(const TickLine& ticks, std::int64_t utime);
-
-  /// Of the last kMoved; its covariance is unknown.
-  const pose::Odometry& odometry() const { return odometry_; }
-
-  /// The clock of `utime` was set by that much [us].
-  void shift_time(std::int64_t step_us);
-
-  /// The next line is a first one.
-  void restart() { before_.reset(); }
-
- private:
-  struct Stand {
-    TickLine ticks;
-    std::int64_t utime;
-  };
-  double moved_m(std::int64_t from, std::int64_t to, double metres_per_tick) const;
-
-  OdometryDriverConfig config_;
-  std::optional<Stand> before_;
-  pose::Odometry odometry_;
-};
-
 /// `V speed yaw_rate [speed_sd yaw_rate_sd]`: the robot's velocity.
 struct VelocityLine {
   double speed_mps = 0.0;
@@ -96,6 +58,44 @@ std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view li
 
 /// The checksum that follows `*`: all bytes before it, exclusive-or.
 std::uint8_t line_checksum(std::string_view bytes);
+
+/// From what the wheels' counters stand at to velocities of base: the mean over the step between
+/// two lines, stamped at its end. A line that was lost costs no distance, since counters go on.
+class WheelTicks {
+ public:
+  /// What a line gave.
+  enum class Outcome {
+    kMoved,   ///< odometry()
+    kFirst,   ///< the first, or the first after more than a second: the next one has a step
+    kNoTime,  ///< no later than the one before: refused
+    kJumped,  ///< faster than any robot drives: the controller was restarted; begins anew
+  };
+
+  explicit WheelTicks(const OdometryDriverConfig& config) : config_(config) {}
+
+  /// `utime`: when the counters stood there [us].
+  Outcome add(const TickLine& ticks, std::int64_t utime);
+
+  /// Of the last kMoved; its covariance is unknown.
+  const pose::Odometry& odometry() const { return odometry_; }
+
+  /// The clock of `utime` was set by that much [us].
+  void shift_time(std::int64_t step_us);
+
+  /// The next line is a first one.
+  void restart() { before_.reset(); }
+
+ private:
+  struct Stand {
+    TickLine ticks;
+    std::int64_t utime;
+  };
+  double moved_m(std::int64_t from, std::int64_t to, double metres_per_tick) const;
+
+  OdometryDriverConfig config_;
+  std::optional<Stand> before_;
+  pose::Odometry odometry_;
+};
 
 /// A robot's controller that sends text lines: wheel velocities, wheel ticks, an inertial unit. It
 /// is only listened to. The page of this folder describes the lines.

@@ -8,7 +8,6 @@
 #include "simulation/random.hpp"
 #include "simulation/scene/scene.hpp"
 #include "simulation/sensor/lighting.hpp"
-#include "simulation/sensor/shadow_map.hpp"
 #include "simulation/simulation_config.hpp"
 #include "vision/image.hpp"
 

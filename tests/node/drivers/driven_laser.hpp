@@ -46,10 +46,10 @@ class DrivenLaser {
     return begin_utime_ + kPeriod_us * std::lround(mm);
   }
 
-  /// Lets both work until `done` or for at most 20 s; false when the time was up.
+  /// Lets both work until `done` or for at most a minute; false when the time was up.
   template <class Done>
   bool run_until(Done done) {
-    const Clock::time_point end = Clock::now() + std::chrono::seconds(20);
+    const Clock::time_point end = Clock::now() + std::chrono::seconds(60);
     while (!done()) {
       if (Clock::now() > end) return false;
       turn();

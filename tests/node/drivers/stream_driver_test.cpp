@@ -97,10 +97,10 @@ class ToyServer {
   std::uint16_t port_ = 0;
 };
 
-/// Runs a driver's loop as LiveDriver does, until `done` or for five seconds.
+/// Runs a driver's loop as LiveDriver does, until `done` or for a minute.
 template <class Done>
 bool run_until(Driver& driver, std::vector<Message>& out, Done done) {
-  const auto end = Driver::Clock::now() + std::chrono::seconds(5);
+  const auto end = Driver::Clock::now() + std::chrono::seconds(60);
   while (Driver::Clock::now() < end) {
     if (done()) return true;
     std::vector<pollfd> files = driver.files();

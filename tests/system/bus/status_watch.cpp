@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// status_watch URL NAME MIN_BAD [TEXT]: waits (at most 20 s) for a STATUS of a process that counts
-// at least so many refused messages and says TEXT; prints it.
+// status_watch URL NAME MIN_BAD [TEXT]: waits (at most a minute) for a STATUS of a process that
+// counts at least so many refused messages and says TEXT; prints it.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
                 status.text.c_str());
     found = true;
   });
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!found && std::chrono::steady_clock::now() < end) bus.handle(200);
   return found ? 0 : 1;
 }

@@ -6,8 +6,7 @@
 #include <numeric>
 #include <random>
 
-#include "bus/node/inbox.hpp"
-#include "bus/node/input_watch.hpp"
+#include "bus/node/live_inputs.hpp"
 #include "bus/node/peer_processes.hpp"
 #include "bus/replay/lockstep.hpp"
 

@@ -12,7 +12,6 @@
 #include "geometry/camera_model.hpp"
 #include "simulation/sensor/camera_renderer.hpp"
 #include "simulation/sensor/lighting.hpp"
-#include "simulation/sensor/shadow_map.hpp"
 #include "simulation/texture.hpp"
 #include "unit/simulation/rig.hpp"
 

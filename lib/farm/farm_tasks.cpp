@@ -1,16 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "farm/farm_tasks.hpp"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
+#include <array>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
-#include "farm/sha256.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::farm {
 namespace {
+
+EVP_MD_CTX* of(const std::shared_ptr<void>& context) {
+  return static_cast<EVP_MD_CTX*>(context.get());
+}
+
+void require(int result) {
+  if (result != 1) throw std::runtime_error("libcrypto does not compute SHA-256 on this system");
+}
 
 constexpr std::size_t kDigits = 20;  ///< of a name; collisions are negligible among 1e9 results
 
@@ -104,6 +115,32 @@ void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const Ed
 }
 
 }  // namespace
+
+Sha256::Sha256()
+    : context_(EVP_MD_CTX_new(), [](void* p) { EVP_MD_CTX_free(static_cast<EVP_MD_CTX*>(p)); }) {
+  require(EVP_DigestInit_ex(of(context_), EVP_sha256(), nullptr));
+}
+
+void Sha256::add(const void* bytes, std::size_t size) {
+  require(EVP_DigestUpdate(of(context_), bytes, size));
+}
+
+std::string Sha256::hex() {
+  std::array<unsigned char, 32> digest{};
+  require(EVP_DigestFinal_ex(of(context_), digest.data(), nullptr));
+  std::string text;
+  for (const unsigned char byte : digest) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+std::string sha256_hex(std::string_view text) {
+  Sha256 digest;
+  digest.add(text.data(), text.size());
+  return digest.hex();
+}
 
 const char* kind_text(TaskKind kind) {
   switch (kind) {

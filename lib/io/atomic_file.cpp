@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -46,6 +47,28 @@ class Descriptor {
 };
 
 }  // namespace
+
+std::string read_file(const std::string& path, std::size_t bytes_max, const std::string& advice) {
+  const Descriptor file(path, O_RDONLY);
+  std::string text;
+  ssize_t got = file.get() < 0 ? -1 : 1;
+  while (got > 0 && text.size() <= bytes_max) {
+    const std::size_t size = text.size();
+    text.resize(std::min(size + kPieceBytes, bytes_max + 1));
+    do {
+      got = ::read(file.get(), text.data() + size, text.size() - size);
+    } while (got < 0 && errno == EINTR);
+    text.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  }
+  if (got < 0) {
+    throw FileError(path + ": cannot be read (" + std::strerror(errno) + "); " + advice);
+  }
+  if (text.size() > bytes_max) {
+    throw FileError(path + ": is larger than " + std::to_string(bytes_max >> 20) + " MiB; " +
+                    advice);
+  }
+  return text;
+}
 
 void write_fully(int fd, const std::string& path, const void* bytes, std::size_t size) {
   const char* next = static_cast<const char*>(bytes);

@@ -8,6 +8,10 @@
 
 namespace orchard::io {
 
+/// Reads a whole file of at most `bytes_max`. Throws FileError with `advice` as the remedy when it
+/// cannot be read or is larger, as one that never ends is.
+std::string read_file(const std::string& path, std::size_t bytes_max, const std::string& advice);
+
 /// Replaces the content of `path` atomically: a reader sees either the old or the new file. Writes
 /// a temporary file beside it, syncs and renames it. Throws FileError (full disk, no permission)
 /// and then leaves the old file unchanged.

@@ -206,6 +206,13 @@ std::int64_t CsvReader::integer(std::size_t field) const {
   return value;
 }
 
+std::int64_t CsvReader::later_utime(std::size_t field, std::int64_t last_utime) const {
+  const std::int64_t utime = integer_in(field, 0, std::int64_t{1} << 60);
+  if (utime > last_utime) return utime;
+  fail(field, std::to_string(utime) + " is not later than " + std::to_string(last_utime) +
+                  " of the line before; sort the lines and remove duplicates");
+}
+
 std::int64_t CsvReader::integer_in(std::size_t field, std::int64_t lo, std::int64_t hi) const {
   const std::int64_t value = integer(field);
   if (value >= lo && value <= hi) return value;

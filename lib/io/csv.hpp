@@ -3,9 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "geometry/angles.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
 
@@ -45,6 +50,8 @@ class CsvReader {
   /// Parses a finite number in [lo, hi]. Throws FileError.
   double number_in(std::size_t field, double lo, double hi) const;
   std::int64_t integer(std::size_t field) const;
+  /// Parses a time after `last_utime`. Throws FileError.
+  std::int64_t later_utime(std::size_t field, std::int64_t last_utime) const;
   std::int64_t integer_in(std::size_t field, std::int64_t lo, std::int64_t hi) const;
 
   std::int64_t line() const { return line_; }
@@ -72,5 +79,64 @@ class CsvReader {
   std::vector<std::string_view> fields_;
   std::vector<std::string> columns_;
 };
+
+/// A column of numbers in [lo, hi], one member of T; angles are wrapped into (-pi, pi].
+template <class T>
+struct CsvColumn {
+  const char* name;
+  double T::*member;
+  double lo, hi;
+  bool is_angle = false;
+};
+
+/// The columns of a pose in the plane.
+template <class T>
+std::vector<CsvColumn<T>> pose_columns() {
+  return {{"x_m", &T::x_m, -kMaxCoordinate_m, kMaxCoordinate_m},
+          {"y_m", &T::y_m, -kMaxCoordinate_m, kMaxCoordinate_m},
+          {"yaw_rad", &T::yaw_rad, -kMaxYaw_rad, kMaxYaw_rad, true}};
+}
+
+/// Reads a table over time: `utime_us`, then the columns.
+template <class T>
+class TimedCsv {
+ public:
+  /// Throws FileError unless the header is these columns.
+  TimedCsv(CsvReader csv, std::vector<CsvColumn<T>> columns)
+      : csv_(std::move(csv)), columns_(std::move(columns)) {
+    std::vector<std::string> names{"utime_us"};
+    for (const CsvColumn<T>& column : columns_) names.push_back(column.name);
+    csv_.expect_columns(names);
+  }
+
+  /// Returns the next line with seq from 0; none at the end. Throws FileError naming file, line and
+  /// column, also when time does not increase.
+  std::optional<T> next() {
+    if (!csv_.next()) return std::nullopt;
+    T line;
+    line.utime = utime_ = csv_.later_utime(0, utime_);
+    line.seq = ++seq_;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const CsvColumn<T>& column = columns_[i];
+      const double value = csv_.number_in(i + 1, column.lo, column.hi);
+      line.*column.member = column.is_angle ? geometry::wrap_angle_rad(value) : value;
+    }
+    return line;
+  }
+
+ private:
+  CsvReader csv_;
+  std::vector<CsvColumn<T>> columns_;
+  std::int64_t utime_ = -1;
+  std::int32_t seq_ = -1;
+};
+
+/// Formats a name as a CSV field: quoted if it contains a separator or quotes (RFC 4180).
+inline std::string csv_field(const std::string& text) {
+  if (text.find_first_of("\",;") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
 
 }  // namespace orchard::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/folder.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -28,6 +29,16 @@ void remove_other_files(const std::string& folder, const std::set<std::string>& 
   }
   for (const std::filesystem::path& other : others) std::filesystem::remove(other, error);
   if (names.empty()) std::filesystem::remove(folder, error);  // fails if anything else is in it
+}
+
+std::vector<std::string> folder_names(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace orchard::io

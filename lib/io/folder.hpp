@@ -4,6 +4,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace orchard::io {
 
@@ -15,5 +16,8 @@ void make_folder(const std::string& folder, const std::string& advice = {});
 /// is empty and nothing else is in it. Does nothing if there is no such folder.
 void remove_other_files(const std::string& folder, const std::set<std::string>& names,
                         const std::function<bool(const std::string& name)>& is_ours);
+
+/// Lists the names in a folder, sorted; empty if it cannot be read.
+std::vector<std::string> folder_names(const std::string& folder);
 
 }  // namespace orchard::io

@@ -14,6 +14,10 @@
 
 namespace orchard::view {
 
+/// Converts a raw image (BGR8 or GRAY8 with the number of bytes of its size) to a 24-bit Windows
+/// bitmap, which browsers display. Empty for any other image.
+std::string bitmap(const vision::Image& image);
+
 /// An image in a format for browsers.
 struct ShownPicture {
   std::int64_t utime = 0;

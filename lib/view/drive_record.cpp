@@ -8,7 +8,6 @@
 
 #include "text/number_text.hpp"
 #include "view/detections_json.hpp"
-#include "view/line_thinning.hpp"
 #include "view/map_data.hpp"
 
 namespace orchard::view {

@@ -7,10 +7,9 @@
 #include <cstring>
 #include <unordered_map>
 
-#include "text/base64.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
-#include "view/line_thinning.hpp"
-#include "view/map_json.hpp"
+#include "view/map_data.hpp"
 
 namespace orchard::view {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/page.hpp"
 
-#include "text/markup_text.hpp"
+#include "text/encoded_text.hpp"
 #include "view/page_parts.hpp"
 
 namespace orchard::view {

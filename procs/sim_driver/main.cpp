@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "bus/process/process.hpp"
-#include "io/config/scene_rig.hpp"
+#include "io/config/config.hpp"
 #include "sim_driver/sim_source.hpp"
 
 int main(int argc, char** argv) {

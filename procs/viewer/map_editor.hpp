@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/map/corrected_map.hpp"
-#include "viewer/page_content.hpp"
+#include "viewer/page_server.hpp"
 
 namespace orchard::procs {
 

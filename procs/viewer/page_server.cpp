@@ -4,17 +4,20 @@
 #include <httplib.h>
 #include <netinet/tcp.h>
 #include <sys/resource.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "view/page.hpp"
-#include "viewer/packed_text.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -69,6 +72,41 @@ PageContent::Parameters parameters_of(const httplib::Request& request) {
   return parameters;
 }
 
+/// Whether an Accept-Encoding header of HTTP (RFC 9110, 12.5.3) allows gzip by name.
+bool accepts_gzip(const std::string& accept_encoding) {
+  for (std::size_t begin = 0; begin <= accept_encoding.size();) {
+    const std::size_t end = std::min(accept_encoding.find(',', begin), accept_encoding.size());
+    std::string coding;
+    for (std::size_t k = begin; k < end; ++k) {
+      if (accept_encoding[k] != ' ' && accept_encoding[k] != '\t') coding += accept_encoding[k];
+    }
+    begin = end + 1;
+    if (coding == "gzip") return true;
+    if (coding.rfind("gzip;q=", 0) == 0) return coding.find_first_of("123456789", 7) != coding.npos;
+  }
+  return false;
+}
+
+/// Packs a text as gzip (RFC 1952), fast rather than small; empty if there is no memory for it.
+std::string gzip(const std::string& text) {
+  constexpr int kGzip_window = 15 + 16;  // zlib's way to ask for gzip's frame
+  z_stream stream{};
+  if (text.size() > std::numeric_limits<uInt>::max() / 2 ||
+      deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip_window, 8, Z_DEFAULT_STRATEGY) !=
+          Z_OK) {
+    return {};
+  }
+  std::string packed(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const bool is_done = deflate(&stream, Z_FINISH) == Z_STREAM_END;
+  packed.resize(is_done ? stream.total_out : 0);
+  deflateEnd(&stream);
+  return packed;
+}
+
 /// Sends a text packed by gzip to who takes it. The library alone would pack it by Brotli, as small
 /// as that can: seconds of a core for a page or a tile.
 void send(const httplib::Request& request, std::string text, const std::string& type,
@@ -88,6 +126,32 @@ void send(const httplib::Request& request, std::string text, const std::string& 
                                 [body](std::size_t at, std::size_t num, httplib::DataSink& sink) {
                                   return sink.write(body->data() + at, num);
                                 });
+}
+
+/// True if an address is a loopback address.
+bool is_loopback(const std::string& address) {
+  return address.rfind("127.", 0) == 0 || address == "::1" || address == "localhost";
+}
+
+/// True if a request's Host header is valid for a page of a loopback server. Another name that
+/// resolves to this host indicates a foreign page (DNS rebinding).
+bool is_own_host(const std::string& host, const std::string& address, int port) {
+  const std::string at_port = ":" + std::to_string(port);
+  for (const std::string& name :
+       {std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"), address}) {
+    if (host == name + at_port || host == name) return true;
+  }
+  return false;
+}
+
+/// Compares two texts in a time that does not reveal where they differ.
+bool is_same_secret(const std::string& a, const std::string& b) {
+  unsigned difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const char other = b.empty() ? '\0' : b[k % b.size()];
+    difference |= static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(other);
+  }
+  return difference == 0;
 }
 
 }  // namespace

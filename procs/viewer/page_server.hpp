@@ -1,12 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "viewer/page_content.hpp"
+#include "view/live_state.hpp"
 
 namespace orchard::procs {
+
+/// Answer to an HTTP request.
+struct PageAnswer {
+  int status = 200;
+  std::string type = "application/json";
+  std::string body;
+};
+
+/// Content of a served page. Called from several threads concurrently.
+class PageContent {
+ public:
+  /// Query parameters of the URL; limited in size, not validated.
+  using Parameters = std::map<std::string, std::string>;
+
+  virtual ~PageContent() = default;
+
+  /// The page itself, as HTML.
+  virtual std::string page() const = 0;
+
+  /// Events that a client has not seen yet; see view::LiveState::events_for().
+  virtual std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const = 0;
+
+  /// The first event of each stream.
+  virtual std::string hello() const { return "{\"kind\":\"hello\"}"; }
+
+  /// Content of /api/NAME; none: 404.
+  virtual std::optional<PageAnswer> get(const std::string& name, const Parameters& parameters) = 0;
+
+  /// True if users may correct the map with edit().
+  virtual bool can_edit() const { return false; }
+
+  /// Makes the correction requested by a page in JSON.
+  virtual PageAnswer edit(const std::string& json) = 0;
+};
 
 /// Address and access control of a page server.
 struct PageServerOptions {
@@ -38,15 +75,5 @@ class PageServer {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// True if an address is a loopback address.
-bool is_loopback(const std::string& address);
-
-/// True if a request's Host header is valid for a page of a loopback server. Another name that
-/// resolves to this host indicates a foreign page (DNS rebinding).
-bool is_own_host(const std::string& host, const std::string& address, int port);
-
-/// Compares two texts in a time that does not reveal where they differ.
-bool is_same_secret(const std::string& a, const std::string& b);
 
 }  // namespace orchard::procs

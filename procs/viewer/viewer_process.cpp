@@ -6,14 +6,73 @@
 
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
+#include "bus/messages/service_messages.hpp"
+#include "bus/node/node.hpp"
 #include "bus/node/process_options.hpp"
+#include "bus/node/process_report.hpp"
+#include "cli/field/status_board.hpp"
+#include "cli/field/status_text.hpp"
 #include "io/file_error.hpp"
-#include "viewer/viewer_node.hpp"
+#include "viewer/live_page.hpp"
 
 namespace orchard::procs {
 namespace {
+
+/// Receives all channels of a drive for the page; sends nothing.
+class ViewerNode : public bus::Node {
+ public:
+  /// `folder`: its disk's free space is shown; empty: none. `box` must outlive this.
+  ViewerNode(SharedLiveState& box, bool has_camera, std::string folder)
+      : box_(box), has_camera_(has_camera), folder_(std::move(folder)) {}
+
+  std::vector<bus::Channel> inputs() const override {
+    using bus::Channel;
+    std::vector<Channel> inputs{Channel::kScan,       Channel::kDetections, Channel::kPose,
+                                Channel::kTrajectory, Channel::kMap,        Channel::kMapWays};
+    if (has_camera_) inputs.push_back(Channel::kImage);
+    return inputs;
+  }
+
+  std::string_view name() const override { return "viewer"; }
+  /// The viewer needs no input: the nodes that need one report it missing in STATUS.
+  bus::InputNeed need_of(bus::Channel) const override { return bus::InputNeed::kOccasional; }
+  void handle(const bus::Message& input, const bus::Outbox&) override {
+    if (const auto* scan = std::get_if<laser::Scan>(&input)) box_.take(*scan);
+    if (const auto* image = std::get_if<vision::Image>(&input)) box_.take(*image);
+    if (const auto* seen = std::get_if<detection::Detections>(&input)) box_.take(*seen);
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) box_.take(*pose);
+    if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) box_.take(*page);
+    if (const auto* tile = std::get_if<mapping::MapTile>(&input)) box_.take(*tile);
+    if (const auto* ways = std::get_if<mapping::MapWays>(&input)) box_.take(*ways);
+  }
+  void handle_status(const bus::Status& status) override {
+    const std::int64_t now_utime = bus::wall_utime();
+    board_.note(status, now_utime);
+    std::string event = cli::status_json(board_.processes(now_utime));
+    // The page needs more than `orchard status --json` has: extend the object.
+    event.erase(event.rfind('}'));
+    std::string more = ",\"kind\":\"status\"";
+    std::error_code error;
+    const auto disk = std::filesystem::space(folder_, error);
+    if (!folder_.empty() && !error) more += ",\"disk_bytes\":" + std::to_string(disk.available);
+    for (char& c : event) c = c == '\n' ? ' ' : c;  // an event is one line
+    box_.take_status(event + more + "}");
+  }
+  void flush(const bus::Outbox&) override {}
+
+ private:
+  SharedLiveState& box_;
+  bool has_camera_;
+  std::string folder_;
+  cli::StatusBoard board_;
+};
 
 /// Low priority: the processes that measure come first.
 constexpr int kNice = 10;

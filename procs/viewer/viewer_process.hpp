@@ -8,8 +8,6 @@
 #include "io/config/config.hpp"
 #include "viewer/live_page.hpp"
 #include "viewer/page_server.hpp"
-#include "viewer/row_survey.hpp"
-#include "viewer/shared_live_state.hpp"
 
 namespace orchard::procs {
 

@@ -15,7 +15,6 @@
 #include "experiments/json_line.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/map_csv.hpp"
-#include "io/map/trajectory_csv.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "system/real_recordings/altered_drive.hpp"
 #include "system/real_recordings/clear_trees.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "io/map/map_csv.hpp"
-#include "io/map/trajectory_csv.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "system/real_recordings/clear_trees.hpp"
 #include "system/real_recordings/tree_repeat.hpp"

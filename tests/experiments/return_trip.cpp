@@ -5,7 +5,7 @@
 #include <string>
 
 #include "io/config/config.hpp"
-#include "io/map/trajectory_csv.hpp"
+#include "io/map/map_csv.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "system/real_recordings/return_consistency.hpp"
 

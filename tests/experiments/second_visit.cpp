@@ -9,8 +9,8 @@
 #include <string>
 
 #include "experiments/json_line.hpp"
+#include "io/map/map_csv.hpp"
 #include "io/map/stored_map.hpp"
-#include "io/map/trajectory_csv.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "system/real_recordings/clear_trees.hpp"

@@ -6,11 +6,20 @@
 #include "fuzz/fuzz_seeds.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
-#include "io/map/trajectory_csv.hpp"
-#include "io/recording/recording_csv.hpp"
+#include "io/recording/recording_folder.hpp"
 #include "io/recording/truth_csv.hpp"
 
 using namespace orchard;
+
+namespace {
+
+template <class Table>
+void read_all(Table table) {
+  while (table.next()) {
+  }
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
@@ -30,28 +39,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         io::LaserDescription laser;
         laser.num_beams = 3;
         laser.bearing_step_rad = 0.01;
-        io::ScanCsv scans(io::CsvReader::from_text(text, "scans.csv"), laser);
-        while (scans.next()) {
-        }
+        read_all(io::ScanCsv(io::CsvReader::from_text(text, "scans.csv"), laser));
         break;
       }
-      case 4: {
-        io::OdometryCsv odometry(io::CsvReader::from_text(text, "odometry.csv"));
-        while (odometry.next()) {
-        }
+      case 4:
+        read_all(io::odometry_csv(io::CsvReader::from_text(text, "odometry.csv")));
         break;
-      }
-      case 5: {
-        io::GnssCsv gnss(io::CsvReader::from_text(text, "gnss.csv"));
-        while (gnss.next()) {
-        }
+      case 5:
+        read_all(io::gnss_csv(io::CsvReader::from_text(text, "gnss.csv")));
         break;
-      }
-      default: {
-        io::PoseFixCsv fixes(io::CsvReader::from_text(text, "poses.csv"));
-        while (fixes.next()) {
-        }
-      }
+      default:
+        read_all(io::pose_fix_csv(io::CsvReader::from_text(text, "poses.csv")));
     }
   } catch (const io::FileError&) {
   }

@@ -9,7 +9,7 @@
 #include "bus/messages/channel.hpp"
 #include "bus/messages/service_messages.hpp"
 #include "io/config/config_difference.hpp"
-#include "io/config/text_hash.hpp"
+#include "io/config/config_file.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::bus {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/ros_reader.hpp"
+#include "ros/ros_messages.hpp"
 
 namespace orchard::io {
 

@@ -4,19 +4,167 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "geometry/angles.hpp"
-#include "io/bag/bag_picture.hpp"
 #include "io/bag/bag_reader.hpp"
 #include "io/file_error.hpp"
+#include "io/recording/jpeg_file.hpp"
+#include "io/recording/picture_file.hpp"
+#include "ros/ros_messages.hpp"
+#include "vision/image.hpp"
 
 namespace orchard::io {
 namespace {
 
 using ros::MessageType;
+using Types = std::vector<MessageType>;
 using ros::NotUsed;
 using Decoded = std::variant<SensorMessage, NotUsed>;
+
+/// Kinds of messages that a topic can be converted to, in the order of SensorMessage's
+/// alternatives.
+enum class BagKind { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu, kScanRear };
+constexpr std::size_t kNumBagKinds = 7;
+constexpr std::array<const char*, kNumBagKinds> kBagKindNames{
+    "scan", "image", "odometry", "gnss", "pose_fix", "imu", "scan_rear"};
+
+/// Message types that can be converted to a kind; types of one group are equivalent.
+const std::vector<Types>& types_of(BagKind kind) {
+  using T = MessageType;
+  static const std::vector<Types> kTypes[kNumBagKinds]{
+      {{T::kLaserScan}, {T::kPointCloud2}},
+      {{T::kImage, T::kCompressedImage}},
+      {{T::kOdometry}},
+      {{T::kNavSatFix}},
+      {{T::kPose, T::kPoseWithCovariance, T::kOdometry}},
+      {{T::kImu}},
+      {{T::kLaserScan}, {T::kPointCloud2}}};
+  return kTypes[static_cast<std::size_t>(kind)];
+}
+
+/// A topic found in a bag.
+struct FoundTopic {
+  std::string name;
+  std::string type;
+  bool is_known_wire = true;
+  std::int64_t num_messages = 0;
+};
+
+bool is_of(const FoundTopic& topic, const Types& types) {
+  return topic.is_known_wire &&
+         std::find(types.begin(), types.end(), ros::message_type(topic.type)) != types.end();
+}
+
+std::string list(const std::vector<FoundTopic>& topics) {
+  constexpr std::size_t kShown = 30;
+  std::string text;
+  for (std::size_t i = 0; i < topics.size() && i < kShown; ++i) {
+    text += (text.empty() ? "" : ", ") + topics[i].name + " (" +
+            std::to_string(topics[i].num_messages) + " " +
+            (topics[i].type.empty() ? "without a type" : topics[i].type) +
+            (topics[i].is_known_wire ? "" : ", neither ROS 1 nor CDR") + ")";
+  }
+  if (topics.empty()) return "no messages";
+  return text + (topics.size() > kShown ? ", ..." : "");
+}
+
+std::string named_topic(const std::string& kind_name, const std::string& name, BagKind kind,
+                        const std::vector<FoundTopic>& topics) {
+  const auto found = std::find_if(topics.begin(), topics.end(),
+                                  [&](const FoundTopic& topic) { return topic.name == name; });
+  if (found == topics.end()) {
+    throw FileError("--topic " + kind_name + "=" + name +
+                    ": this topic has no messages; the topics are " + list(topics));
+  }
+  for (const Types& types : types_of(kind)) {
+    if (is_of(*found, types)) return name;
+  }
+  throw FileError("--topic " + kind_name + "=" + name + ": its type " + found->type +
+                  " cannot be converted to this kind; the topics are " + list(topics));
+}
+
+std::string only_topic(const std::string& kind_name, BagKind kind,
+                       const std::vector<FoundTopic>& topics) {
+  for (const Types& types : types_of(kind)) {
+    std::vector<FoundTopic> candidates;
+    std::copy_if(topics.begin(), topics.end(), std::back_inserter(candidates),
+                 [&](const FoundTopic& topic) { return is_of(topic, types); });
+    if (candidates.size() > 1) {
+      throw FileError("several topics can be " + kind_name + ": " + list(candidates) +
+                      "; choose one with --topic " + kind_name + "=" + candidates.front().name +
+                      ", or none with --topic " + kind_name + "=none");
+    }
+    if (!candidates.empty()) return candidates.front().name;
+  }
+  return "";
+}
+
+constexpr std::uint32_t kMaxPixels_px = 16384;  // per side
+
+/// Pixel layout of an encoding and the OpenCV conversion to BGR; -1: none needed.
+struct Pixels {
+  int type;
+  int conversion;
+};
+
+/// Encodings by sensor_msgs/image_encodings. OpenCV names a Bayer pattern by its second row, ROS by
+/// its first.
+const std::map<std::string, Pixels>& encodings() {
+  static const std::map<std::string, Pixels> kEncodings{
+      {"bgr8", {CV_8UC3, -1}},
+      {"8UC3", {CV_8UC3, -1}},
+      {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
+      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
+      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
+      {"mono8", {CV_8UC1, -1}},
+      {"8UC1", {CV_8UC1, -1}},
+      {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+      {"uyvy", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+      {"yuyv", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
+      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
+      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
+      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}}};
+  return kEncodings;
+}
+
+vision::Image image_of(const cv::Mat& pixels, std::int64_t utime) {
+  vision::Image image;
+  image.utime = utime;
+  image.width_px = pixels.cols;
+  image.height_px = pixels.rows;
+  image.encoding = pixels.channels() == 1 ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
+  const std::size_t row_bytes = static_cast<std::size_t>(pixels.cols) * pixels.elemSize();
+  image.data.resize(row_bytes * static_cast<std::size_t>(pixels.rows));
+  for (int row = 0; row < pixels.rows; ++row) {
+    std::memcpy(image.data.data() + row_bytes * static_cast<std::size_t>(row), pixels.ptr(row),
+                row_bytes);
+  }
+  return image;
+}
+
+bool is_sane(std::uint32_t width_px, std::uint32_t height_px) {
+  return width_px > 0 && height_px > 0 && width_px <= kMaxPixels_px && height_px <= kMaxPixels_px;
+}
+
+std::variant<vision::Image, ros::NotUsed> compressed(const ros::Picture& picture) {
+  auto image = jpeg_image(picture.data, picture.num_bytes);
+  if (!image) image = png_image(picture.data, picture.num_bytes, PngColours::kAsTheyAre);
+  if (image) {
+    image->utime = picture.utime;
+    return std::move(*image);
+  }
+  return ros::NotUsed{
+      "a compressed picture that is neither a colour or grey JPEG nor PNG (format \"" +
+      picture.encoding.substr(0, 40) + "\")"};
+}
 
 constexpr std::int64_t kLongestStep_us = 1'000'000;
 
@@ -36,7 +184,79 @@ Decoded as_sensor(std::variant<T, NotUsed> decoded) {
   return SensorMessage(std::move(std::get<T>(decoded)));
 }
 
+/// Converts an image from a bag: JPEG is kept unchanged; uncompressed colour, PNG, YUV 4:2:2 and
+/// Bayer patterns become BGR without loss, grey stays grey. seq is left 0. Returns NotUsed for
+/// another encoding, or sizes that contradict the data.
+std::variant<vision::Image, ros::NotUsed> bag_picture(const ros::Picture& picture) {
+  if (picture.width_px == 0 && picture.height_px == 0) return compressed(picture);
+  const auto found = encodings().find(picture.encoding);
+  if (found == encodings().end()) {
+    return ros::NotUsed{"encoding " + picture.encoding.substr(0, 40) + " is not supported"};
+  }
+  const auto [type, conversion] = found->second;
+  const std::uint64_t pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
+  const bool is_whole =
+      is_sane(picture.width_px, picture.height_px) &&
+      picture.row_bytes >= pixel_bytes * picture.width_px &&
+      std::uint64_t{picture.height_px - 1} * picture.row_bytes + pixel_bytes * picture.width_px <=
+          picture.num_bytes &&
+      (type != CV_8UC2 || picture.width_px % 2 == 0) &&
+      (picture.width_px >= 2 && picture.height_px >= 2);
+  if (!is_whole) return ros::NotUsed{"a picture whose size does not match its data"};
+  const cv::Mat given(static_cast<int>(picture.height_px), static_cast<int>(picture.width_px), type,
+                      const_cast<std::uint8_t*>(picture.data), picture.row_bytes);
+  if (conversion < 0) return image_of(given, picture.utime);
+  cv::Mat bgr;
+  cv::cvtColor(given, bgr, conversion);
+  return image_of(bgr, picture.utime);
+}
+
+/// Chooses the topic of each kind: the one named in `wanted` ("none": no topic), else the only
+/// topic with a type of this kind. A point cloud is chosen only if there is no scan. Poses and a
+/// second scanner must be named. Empty: no topic for this kind. Throws FileError with the option to
+/// use when the choice is ambiguous, a name does not exist or has the wrong type, or nothing is
+/// chosen.
+std::array<std::string, kNumBagKinds> choose_topics(
+    const std::vector<FoundTopic>& topics, const std::map<std::string, std::string>& wanted) {
+  std::array<std::string, kNumBagKinds> chosen;
+  bool is_any = false;
+  for (std::size_t i = 0; i < kNumBagKinds; ++i) {
+    const auto kind = static_cast<BagKind>(i);
+    const std::string name = kBagKindNames[i];
+    const auto by_user = wanted.find(name);
+    if (by_user != wanted.end()) {
+      if (by_user->second != "none") chosen[i] = named_topic(name, by_user->second, kind, topics);
+    } else if (kind != BagKind::kPoseFix && kind != BagKind::kScanRear) {
+      chosen[i] = only_topic(name, kind, topics);
+    }
+    is_any = is_any || !chosen[i].empty();
+  }
+  if (is_any) return chosen;
+  throw FileError(
+      "no usable topic; supported are LaserScan, PointCloud2, Image, CompressedImage, Imu, "
+      "NavSatFix and Odometry; the topics are " +
+      list(topics));
+}
+
 }  // namespace
+
+std::map<std::string, std::string> parse_topic_choices(const std::vector<std::string>& pairs) {
+  std::map<std::string, std::string> choices;
+  for (const std::string& pair : pairs) {
+    const std::size_t equals = pair.find('=');
+    const std::string kind = pair.substr(0, equals);
+    const bool is_kind =
+        std::find(kBagKindNames.begin(), kBagKindNames.end(), kind) != kBagKindNames.end();
+    if (equals == std::string::npos || !is_kind || equals + 1 == pair.size()) {
+      std::string kinds;
+      for (const char* name : kBagKindNames)
+        kinds += (kinds.empty() ? "" : ", ") + std::string(name);
+      throw FileError("--topic " + pair + ": must be KIND=TOPIC with KIND one of " + kinds);
+    }
+    choices[kind] = pair.substr(equals + 1);
+  }
+  return choices;
+}
 
 struct BagRecording::Impl {
   struct Topic {

@@ -9,15 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "io/bag/bag_topics.hpp"
-#include "io/recording/sensor_message.hpp"
+#include "io/recording/recording_folder.hpp"
 #include "ros/cloud_slice.hpp"
 
 namespace orchard::io {
 
+/// Parses `KIND=TOPIC` pairs. Throws FileError for an unknown kind or another form.
+std::map<std::string, std::string> parse_topic_choices(const std::vector<std::string>& pairs);
+
 /// Options for reading bags.
 struct BagOptions {
-  std::map<std::string, std::string> topics;  ///< topic by kind, as for choose_topics
+  std::map<std::string, std::string> topics;  ///< topic by kind (scan, image ...); "none": no topic
   ros::CloudSlice slice;                      ///< slice of point clouds that are used as scans
 };
 
@@ -31,7 +33,8 @@ class BagRecording {
   /// Receives the bytes (or rows) read so far and the total.
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
 
-  /// Throws FileError when a file is not a bag, or as choose_topics does.
+  /// Throws FileError when a file is not a bag, or when the choice of a topic is ambiguous or
+  /// wrong, naming the option to use.
   BagRecording(const std::vector<std::string>& paths, const BagOptions& options,
                const Progress& progress);
   ~BagRecording();

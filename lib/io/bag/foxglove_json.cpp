@@ -4,7 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "detection/detection.hpp"
 #include "geometry/camera_model.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -38,23 +40,6 @@ Json colour(detection::Label label, double opacity) {
   return colour(0.5, 0.5, 0.5, opacity);
 }
 
-std::string base64(const std::vector<std::uint8_t>& data) {
-  static const char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((data.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < data.size(); i += 3) {
-    const std::size_t left = data.size() - i;
-    std::uint32_t bits = std::uint32_t{data[i]} << 16;
-    if (left > 1) bits |= std::uint32_t{data[i + 1]} << 8;
-    if (left > 2) bits |= data[i + 2];
-    text += kLetters[bits >> 18];
-    text += kLetters[bits >> 12 & 63];
-    text += left > 1 ? kLetters[bits >> 6 & 63] : '=';
-    text += left > 2 ? kLetters[bits & 63] : '=';
-  }
-  return text;
-}
-
 Json transform(std::int64_t utime, const char* parent, const char* child, const Json& translation,
                const Json& rotation) {
   return {{"timestamp", time(utime)},
@@ -86,11 +71,6 @@ Json cylinder(double x_m, double y_m, double width_m, double height_m, const Jso
           {"color", paint}};
 }
 
-const char* class_name(detection::Label label) {
-  if (label == detection::Label::kTree) return "tree";
-  return label == detection::Label::kObject ? "object" : "unseen";
-}
-
 Json tree(std::int64_t utime, const mapping::Landmark& landmark) {
   Json shown = entity(utime, "map", "landmark " + std::to_string(landmark.id));
   shown["cylinders"].push_back(cylinder(landmark.x_m, landmark.y_m,
@@ -110,7 +90,7 @@ Json tree(std::int64_t utime, const mapping::Landmark& landmark) {
     shown["metadata"].push_back({{"key", key}, {"value", value}});
   };
   tell("id", std::to_string(landmark.id));
-  tell("class", class_name(landmark.label));
+  tell("class", label_text(landmark.label));
   tell("n", std::to_string(landmark.num_observations));
   tell("roc_mean", std::to_string(landmark.roc_mean));
   tell("probability", std::to_string(landmark.probability));
@@ -140,7 +120,9 @@ std::string foxglove_json(const laser::Scan& scan, const char* frame) {
 }
 
 std::string foxglove_json(const vision::Image& image) {
-  Json json{{"timestamp", time(image.utime)}, {"frame_id", "camera"}, {"data", base64(image.data)}};
+  Json json{{"timestamp", time(image.utime)},
+            {"frame_id", "camera"},
+            {"data", base64_text(image.data.data(), image.data.size())}};
   if (image.encoding == vision::Encoding::kJpeg) {
     json["format"] = "jpeg";
   } else {

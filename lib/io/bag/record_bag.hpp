@@ -1,20 +1,121 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <deque>
 #include <istream>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "io/bag/bag_reader.hpp"
-#include "io/bag/record_format.hpp"
 #include "io/log/file_window.hpp"
 
 namespace orchard::io {
+
+/// Reads consecutive little-endian numbers and length-prefixed texts from bytes. Reading beyond the
+/// end gives 0 or empty values, and ok() is false from then on.
+class ByteFields {
+ public:
+  ByteFields(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
+
+  template <class T>
+  T number() {
+    T value{};
+    if (const std::uint8_t* begin = take(sizeof(T))) std::memcpy(&value, begin, sizeof(T));
+    return value;
+  }
+  std::string text() {
+    const std::size_t size = number<std::uint32_t>();
+    const std::uint8_t* begin = take(size);
+    return begin ? std::string(reinterpret_cast<const char*>(begin), size) : std::string();
+  }
+  const std::uint8_t* take(std::uint64_t size) {
+    if (!ok_ || size > size_ - position_) {
+      ok_ = false;
+      return nullptr;
+    }
+    const std::uint8_t* begin = bytes_ + position_;
+    position_ += static_cast<std::size_t>(size);
+    return begin;
+  }
+  std::size_t left() const { return size_ - position_; }
+  bool ok() const { return ok_; }
+
+ private:
+  const std::uint8_t* bytes_;
+  std::size_t size_;
+  std::size_t position_ = 0;
+  bool ok_ = true;
+};
+
+/// Contents of the records of a bag. Pointers point into the record.
+struct TopicRecord {
+  std::uint32_t id = 0;  ///< referred to by messages
+  BagTopic topic;
+};
+struct MessageRecord {
+  std::uint32_t topic_id = 0;
+  std::int64_t utime = 0;
+  const std::uint8_t* data = nullptr;
+  std::size_t size = 0;
+};
+struct ChunkRecord {
+  std::string compression;
+  std::uint64_t unpacked_size = 0;
+  std::uint32_t crc = 0;  ///< of the unpacked data; 0: not given
+  const std::uint8_t* data = nullptr;
+  std::size_t size = 0;
+};
+struct OtherRecord {};
+struct LastRecord {};  ///< no message follows
+struct DamagedRecord {
+  std::string why;
+};
+using BagRecord =
+    std::variant<OtherRecord, TopicRecord, MessageRecord, ChunkRecord, LastRecord, DamagedRecord>;
+
+/// Common structure of rosbag's and MCAP's files: a magic followed by records, some of which are
+/// chunks of records.
+class RecordFormat {
+ public:
+  virtual ~RecordFormat() = default;
+
+  virtual std::size_t magic_bytes() const = 0;
+
+  /// Size in bytes of the record that begins here. 0: more than `size` bytes are needed to tell;
+  /// none: not the beginning of a record.
+  virtual std::optional<std::uint64_t> record_size(const std::uint8_t* bytes,
+                                                   std::size_t size) const = 0;
+
+  /// Whether a chunk record begins here. Tested at every byte to resume after damage, so it must
+  /// hardly match by chance.
+  virtual bool begins_chunk(const std::uint8_t* bytes, std::size_t size) const = 0;
+
+  /// Parses a complete record. The format remembers what later records refer to (schemas).
+  virtual BagRecord read(const std::uint8_t* bytes, std::size_t size) = 0;
+};
+
+std::unique_ptr<RecordFormat> make_rosbag_format();
+std::unique_ptr<RecordFormat> make_mcap_format();
+
+/// Decompresses data of a bag: bz2, lz4 (frame format) and zstd; "" or "none" is a copy.
+///
+/// Fills `unpacked`, whose size the caller has set to the size given in the file. Returns an empty
+/// string, or the reason for failure: unknown compression, damage, or another size.
+std::string unpack(const std::string& compression, const std::uint8_t* data, std::size_t size,
+                   std::vector<std::uint8_t>& unpacked);
+
+/// Whether the bytes begin like a zstd frame; rosbag2 compresses single messages that way.
+bool is_zstd(const std::uint8_t* data, std::size_t size);
+
+/// Returns the content size given in a zstd frame; 0 if none is given or it exceeds `most_bytes`.
+std::size_t zstd_size(const std::uint8_t* data, std::size_t size, std::size_t most_bytes);
 
 /// Reads a bag that is a file of records, some of them chunks of records: rosbag and MCAP.
 class RecordBag : public BagReader {

@@ -5,8 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "io/bag/byte_fields.hpp"
-#include "io/bag/record_format.hpp"
+#include "io/bag/record_bag.hpp"
 
 namespace orchard::io {
 namespace {

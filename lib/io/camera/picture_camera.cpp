@@ -2,8 +2,11 @@
 #include "io/camera/picture_camera.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <filesystem>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/videoio.hpp>
 #include <utility>
 #include <vector>
 
@@ -19,33 +22,6 @@ std::int64_t time_of_day_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-struct PictureFile {
-  std::int64_t utime;
-  std::string path;
-};
-
-std::vector<PictureFile> list_pictures(const std::string& folder) {
-  std::error_code error;
-  std::vector<PictureFile> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().extension() != ".jpg") continue;
-    const std::string stem = entry.path().stem().string();
-    std::int64_t utime = 0;
-    const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), utime);
-    if (result.ec != std::errc() || result.ptr != stem.data() + stem.size() || utime < 0) {
-      throw FileError(entry.path().string() +
-                      ": the name of a picture must be <utime_us>.jpg; rename it");
-    }
-    files.push_back({utime, entry.path().string()});
-  }
-  if (error) throw FileError(folder + ": cannot be read (" + error.message() + ")");
-  if (files.empty())
-    throw FileError(folder + ": has no picture <utime_us>.jpg; give the folder of the pictures");
-  std::sort(files.begin(), files.end(),
-            [](const PictureFile& a, const PictureFile& b) { return a.utime < b.utime; });
-  return files;
 }
 
 }  // namespace
@@ -75,7 +51,9 @@ void PictureCamera::find_next() {
 
 std::unique_ptr<CameraSource> open_picture_folder(const std::string& folder,
                                                   std::int64_t start_utime) {
-  std::vector<PictureFile> files = list_pictures(folder);
+  std::vector<TimedJpeg> files = list_jpegs(folder, OtherFiles::kSkip);
+  if (files.empty())
+    throw FileError(folder + ": has no picture <utime_us>.jpg; give the folder of the pictures");
   const std::int64_t first = files.front().utime, now = time_of_day_us();
   if (start_utime == 0) start_utime = first >= now && first - now < kSoon_us ? first : now;
   NextFrame next = [files = std::move(files),
@@ -90,6 +68,36 @@ std::unique_ptr<CameraSource> open_picture_folder(const std::string& folder,
     return frame;
   };
   return std::make_unique<PictureCamera>(std::move(next), first, start_utime);
+}
+
+std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t start_utime) {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // reported below
+  // Files only: the other backends would ask every USB device whether it is a camera.
+  auto video = std::make_shared<cv::VideoCapture>(path, cv::CAP_FFMPEG);
+  if (!video->isOpened()) {
+    throw FileError(path + ": cannot be read as a video; give a video file such as .avi or .mp4");
+  }
+  double rate_hz = video->get(cv::CAP_PROP_FPS);
+  if (!(rate_hz > 0.0 && rate_hz <= 1000.0)) rate_hz = 25.0;  // the file has no rate
+  NextFrame next = [video, rate_hz, i = 0]() mutable -> std::optional<device::CameraFrame> {
+    cv::Mat picture;
+    if (!video->read(picture) || picture.type() != CV_8UC3) return std::nullopt;
+    device::CameraFrame frame;
+    frame.utime = std::llround(1e6 * i++ / rate_hz);
+    frame.width_px = picture.cols;
+    frame.height_px = picture.rows;
+    frame.format = device::PixelFormat::kBgr;
+    frame.row_bytes = 3 * picture.cols;
+    if (!picture.isContinuous()) picture = picture.clone();
+    frame.data.assign(picture.data, picture.data + picture.total() * picture.elemSize());
+    return frame;
+  };
+  if (start_utime == 0) {
+    start_utime = std::chrono::duration_cast<std::chrono::microseconds>(
+                      std::chrono::system_clock::now().time_since_epoch())
+                      .count();
+  }
+  return std::make_unique<PictureCamera>(std::move(next), 0, start_utime);
 }
 
 }  // namespace orchard::io

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/config/config.hpp"
 
-#include <fstream>
 #include <utility>
 
+#include "io/atomic_file.hpp"
+#include "io/config/config_file.hpp"
 #include "io/config/config_visitor.hpp"
-#include "io/config/text_hash.hpp"
-#include "io/config/yaml_printer.hpp"
-#include "io/config/yaml_reader.hpp"
+#include "io/config/config_yaml.hpp"
+#include "io/file_error.hpp"
 
 namespace orchard::io {
 namespace {
 
 /// A rig has about 10 kB. A much larger file is not a rig, or it never ends.
-constexpr std::size_t kConfigBytesMax = 1 << 20;
+constexpr std::size_t kConfigBytesMax = std::size_t{1} << 20;
 
 /// Presents all sections of a configuration, which must outlive the returned schema.
 ConfigSchema schema_of(Config& c) {
@@ -45,17 +45,12 @@ RecordedConfig parse_recorded_config(const std::string& yaml, const std::string&
 }
 
 Config load_config(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kConfigBytesMax + 1, '\0');
-  if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size())).eof()) {
-    if (file.gcount() > static_cast<std::streamsize>(kConfigBytesMax)) {
-      throw ConfigError({path + ": is larger than 1 MiB, so it cannot be a configuration; give "
-                                "another file with --config"});
-    }
-    throw ConfigError({path + ": cannot be read; give an existing file with --config"});
+  try {
+    return parse_config(read_file(path, kConfigBytesMax, "give an existing rig with --config"),
+                        path);
+  } catch (const FileError& error) {
+    throw ConfigError({error.what()});
   }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return parse_config(text, path);
 }
 
 std::string print_config(const Config& config, PrintedKeys keys) {

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "detection/rig.hpp"
 #include "device/drivers_config.hpp"
 #include "geometry/camera_model.hpp"
-#include "io/config/config_error.hpp"
 #include "io/config/config_file.hpp"
 #include "laser/laser_config.hpp"
 #include "mapping/mapper_config.hpp"
@@ -75,5 +75,10 @@ class RigFile : public ConfigFile {
  private:
   Config config_;
 };
+
+/// Default rig of a simulated scene ("tubes", "orchard", "park", "board"): tubes.yaml, orchard.yaml
+/// or park.yaml of config/ as of the build, so that it is available wherever the program is
+/// installed. Returns the built-in defaults for any other name.
+Config scene_rig(std::string_view scene);
 
 }  // namespace orchard::io

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "io/config/config_error.hpp"
+#include "io/config/config_file.hpp"
 
 namespace orchard::io {
 namespace {

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 
@@ -171,14 +169,9 @@ class Editor {
   std::vector<std::string> lines_;
 };
 
-/// The text of a configuration file.
 std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw FileError(path + ": cannot be read; give an existing configuration");
-  }
-  return text.str();
+  constexpr std::size_t kBytesMax = std::size_t{1} << 20;  // derived: as load_config()
+  return read_file(path, kBytesMax, "give an existing configuration");
 }
 
 }  // namespace
@@ -209,12 +202,8 @@ void edit_config_file(const std::string& path, const std::string& out_path,
   // The file at out_path may be the only copy of another rig.
   std::error_code error;
   if (std::filesystem::is_regular_file(out_path, error)) {
-    std::ifstream replaced(out_path, std::ios::binary);
-    const std::string old((std::istreambuf_iterator<char>(replaced)), {});
-    if (replaced.bad() || !replaced.is_open()) {
-      throw FileError(out_path + ": cannot be read, so no backup can be made; give another " +
-                      "file to write");
-    }
+    constexpr std::size_t kBytesMax = std::size_t{64} << 20;  // derived: any file of text
+    const std::string old = read_file(out_path, kBytesMax, "give another file to write");
     write_file_atomically(out_path + ".bak", old);
   }
   write_file_atomically(out_path, edited);

@@ -2,12 +2,29 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "io/config/config_error.hpp"
-
 namespace orchard::io {
+
+/// Thrown for an invalid configuration: one line per error, "file:line: key = value: why".
+class ConfigError : public std::runtime_error {
+ public:
+  explicit ConfigError(std::vector<std::string> problems);
+  const std::vector<std::string>& problems() const { return problems_; }
+
+ private:
+  std::vector<std::string> problems_;
+};
+
+/// 64-bit FNV-1a hash of a text: the hash of a configuration in CONFIG.
+constexpr std::int64_t text_hash(std::string_view text) {
+  std::uint64_t hash = 1469598103934665603ull;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  return static_cast<std::int64_t>(hash);
+}
 
 /// LCM network to use. Section `lcm`.
 struct LcmConfig {

@@ -5,9 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace orchard::io {
+
+/// Restricts text to characters of the figures' font: printable ASCII, Latin letters and common
+/// signs of UTF-8 are kept; other characters and invalid UTF-8 bytes become '?'.
+std::string drawn_text(std::string_view text);
 
 struct Colour {
   std::uint8_t r = 0, g = 0, b = 0;
@@ -69,15 +74,8 @@ class Canvas {
   void image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, int width_px,
              int height_px);
 
-  /// Moves the origin to `origin` and scales by `scale` until end_inset().
-  void begin_inset(PixelPoint origin, double scale);
-  void end_inset();
-
   /// Sets the creation date of a PDF, "2026-11-22"; empty: the same constant date in every PDF.
   void set_day(const std::string& day);
-
-  /// Starts a new page. Throws FileError in a format with a single page.
-  void next_page();
 
   /// Returns the finished file; nothing can be drawn afterwards. Throws FileError.
   std::string finish();

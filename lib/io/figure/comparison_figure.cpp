@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/figure/comparison_figure.hpp"
 
-#include "io/figure/label_placement.hpp"
 #include "io/figure/map_frame.hpp"
+#include "io/figure/plot_axes.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {

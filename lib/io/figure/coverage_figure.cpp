@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/figure/legend.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "text/number_text.hpp"
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/figure/label_placement.hpp"
+#include "io/figure/plot_axes.hpp"
 #include "mapping/extent/extent.hpp"
 
 namespace orchard::io {

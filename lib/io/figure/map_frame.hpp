@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "io/figure/canvas.hpp"
-#include "io/figure/legend.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "pose/pose_estimate.hpp"
 

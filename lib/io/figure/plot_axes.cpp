@@ -2,6 +2,7 @@
 #include "io/figure/plot_axes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "text/number_text.hpp"
@@ -39,6 +40,29 @@ double step_of(AxisRange range, double length_px, double least_px) {
   return round_step(least_px * std::abs(range.to - range.from) / length_px);
 }
 
+constexpr double kRowPx = 22.0;
+constexpr double kSignPx = 20.0;
+constexpr double kGapPx = 5.0;    // from a sign to its name
+constexpr double kNextPx = 18.0;  // from a name to the next sign
+
+constexpr double kCellPx = 2.0;
+constexpr double kCapHeight = 0.73;  // of the font, relative to the text size
+constexpr std::array<double, 2> kGapsPx{3.0, 8.0};
+constexpr std::array<std::array<double, 2>, 8> kSides{
+    {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, -1}, {1, 1}, {-1, 1}}};
+
+int num_cells(double length_px) {
+  return std::clamp(static_cast<int>(std::ceil(length_px / kCellPx)), 1, 10000);
+}
+
+/// Index range of the cells touched: first, and one past the last.
+std::array<int, 2> cells(double from, double to, int num) {
+  const auto cell = [num](double value) {
+    return static_cast<int>(std::clamp(value / kCellPx, 0.0, static_cast<double>(num)));
+  };
+  return {cell(std::floor(from)), std::min(num, cell(std::ceil(to)) + 1)};
+}
+
 }  // namespace
 
 double round_step(double least) {
@@ -55,12 +79,6 @@ int decimals_of(double step) {
 
 PlotAxes::PlotAxes(const PixelBox& box, AxisRange x, AxisRange y)
     : box_(box), x_(widened(x, kMinRange)), y_(widened(y, kMinRange)) {}
-
-PlotAxes PlotAxes::equal_scale(const PixelBox& box, AxisRange x, AxisRange y) {
-  const double per_px = std::max({std::abs(x.to - x.from) / box.width(),
-                                  std::abs(y.to - y.from) / box.height(), kMinRange / box.width()});
-  return {box, widened(x, per_px * box.width()), widened(y, per_px * box.height())};
-}
 
 PixelPoint PlotAxes::at(double x, double y) const {
   return {box_.x0 + (x - x_.from) / (x_.to - x_.from) * box_.width(),
@@ -104,6 +122,93 @@ void PlotAxes::draw_line(const std::vector<PixelPoint>& values, Colour colour, d
     points.push_back(p);
   }
   if (points.size() > 1) canvas.polyline(points, colour, width);
+}
+
+LegendItem line_item(const std::string& name, Colour colour, bool is_dashed) {
+  return {name, [colour, is_dashed](PixelPoint centre, Canvas& canvas) {
+            canvas.polyline({{centre.x - 9.0, centre.y}, {centre.x + 9.0, centre.y}}, colour, 2.0,
+                            is_dashed);
+          }};
+}
+
+Legend::Legend(std::vector<LegendItem> items, double width_px) : items_(std::move(items)) {
+  PixelPoint at{0.0, 0.0};
+  for (const LegendItem& item : items_) {
+    const double item_px = kSignPx + kGapPx + text_width_px(item.name, kAxisTextPx);
+    if (at.x > 0.0 && at.x + item_px > width_px) at = {0.0, at.y + kRowPx};
+    places_.push_back({at.x + 0.5 * kSignPx, at.y + 0.5 * kRowPx});
+    at.x += item_px + kNextPx;
+  }
+}
+
+double Legend::height_px() const { return places_.empty() ? 0.0 : places_.back().y + 0.5 * kRowPx; }
+
+void Legend::draw(PixelPoint top_left, Canvas& canvas) const {
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    const PixelPoint sign{top_left.x + places_[i].x, top_left.y + places_[i].y};
+    items_[i].draw_sign(sign, canvas);
+    canvas.text({sign.x + 0.5 * kSignPx + kGapPx, sign.y + 5.0}, items_[i].name,
+                {kAxisTextPx, kBlack});
+  }
+}
+
+LabelPlacement::LabelPlacement(const PixelBox& within)
+    : within_(within),
+      num_columns_(num_cells(within.width())),
+      num_rows_(num_cells(within.height())),
+      taken_(static_cast<std::size_t>(num_columns_) * static_cast<std::size_t>(num_rows_)) {}
+
+void LabelPlacement::take(const PixelBox& box) {
+  if (!std::isfinite(box.x0 + box.x1 + box.y0 + box.y1)) return;
+  const auto columns = cells(box.x0 - within_.x0, box.x1 - within_.x0, num_columns_);
+  const auto rows = cells(box.y0 - within_.y0, box.y1 - within_.y0, num_rows_);
+  for (int row = rows[0]; row < rows[1]; ++row) {
+    for (int column = columns[0]; column < columns[1]; ++column) {
+      taken_[static_cast<std::size_t>(row * num_columns_ + column)] = true;
+    }
+  }
+}
+
+bool LabelPlacement::is_free(const PixelBox& box) const {
+  if (!(box.x0 >= within_.x0 && box.x1 <= within_.x1 && box.y0 >= within_.y0 &&
+        box.y1 <= within_.y1)) {
+    return false;
+  }
+  const auto columns = cells(box.x0 - within_.x0, box.x1 - within_.x0, num_columns_);
+  const auto rows = cells(box.y0 - within_.y0, box.y1 - within_.y0, num_rows_);
+  for (int row = rows[0]; row < rows[1]; ++row) {
+    const auto begin = taken_.begin() + row * num_columns_;
+    if (std::find(begin + columns[0], begin + columns[1], true) != begin + columns[1]) return false;
+  }
+  return true;
+}
+
+std::optional<PixelPoint> LabelPlacement::place(PixelPoint sign, double sign_radius, double width,
+                                                double height) {
+  for (const double gap_px : kGapsPx) {
+    for (const auto& side : kSides) {
+      const PixelPoint c{sign.x + side[0] * (sign_radius + gap_px + 0.5 * width),
+                         sign.y + side[1] * (sign_radius + gap_px + 0.5 * height)};
+      const PixelBox box{c.x - 0.5 * width, c.y - 0.5 * height, c.x + 0.5 * width,
+                         c.y + 0.5 * height};
+      if (!is_free(box)) continue;
+      take(box);
+      return c;
+    }
+  }
+  return {};
+}
+
+bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
+                Colour colour, LabelPlacement& placement, Canvas* canvas) {
+  const double width_px = text_width_px(text, text_px), height_px = kCapHeight * text_px;
+  const auto centre = placement.place(sign, sign_radius_px, width_px, height_px);
+  if (!centre) return false;
+  if (canvas == nullptr) return true;
+  const double x = centre->x - 0.5 * width_px, y = centre->y + 0.5 * height_px;
+  canvas->rectangle({x - 1.0, y - height_px - 1.0, x + width_px + 1.0, y + 1.0}, kWhite, {});
+  canvas->text({x, y}, text, {text_px, colour});
+  return true;
 }
 
 }  // namespace orchard::io

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +23,6 @@ class PlotAxes {
  public:
   /// Uses the ranges as given; an empty range is widened to a thousandth.
   PlotAxes(const PixelBox& box, AxisRange x, AxisRange y);
-
-  /// Uses equal scales on both axes by widening one of the ranges.
-  static PlotAxes equal_scale(const PixelBox& box, AxisRange x, AxisRange y);
 
   PixelPoint at(double x, double y) const;
   const PixelBox& box() const { return box_; }
@@ -48,5 +47,51 @@ double round_step(double least);
 
 /// Number of decimals needed for multiples of the step.
 int decimals_of(double step);
+
+struct LegendItem {
+  std::string name;
+  std::function<void(PixelPoint centre, Canvas&)> draw_sign;  ///< at most 20 pixels wide and high
+};
+
+/// A legend item with a short line as its sign.
+LegendItem line_item(const std::string& name, Colour colour, bool is_dashed = false);
+
+/// Signs with their names, in as many rows as the width requires.
+class Legend {
+ public:
+  Legend(std::vector<LegendItem> items, double width_px);
+
+  double height_px() const;
+  void draw(PixelPoint top_left, Canvas& canvas) const;
+
+ private:
+  std::vector<LegendItem> items_;
+  std::vector<PixelPoint> places_;  ///< centres of the signs, relative to the top left corner
+};
+
+/// Places labels one after another without overlap.
+class LabelPlacement {
+ public:
+  /// No label extends beyond `within`.
+  explicit LabelPlacement(const PixelBox& within);
+
+  void take(const PixelBox& box);
+
+  /// Returns the centre of a free box of that size beside a sign: right, left, above, below, then
+  /// the corners, then the same a little farther away. None when all are occupied.
+  std::optional<PixelPoint> place(PixelPoint sign, double sign_radius, double width, double height);
+
+ private:
+  bool is_free(const PixelBox& box) const;
+
+  PixelBox within_;
+  int num_columns_, num_rows_;
+  std::vector<bool> taken_;  ///< by cell, row by row
+};
+
+/// Draws a text on white beside a sign if there is space for it and returns whether there was.
+/// Without a canvas it only reserves the space.
+bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
+                Colour colour, LabelPlacement& placement, Canvas* canvas);
 
 }  // namespace orchard::io

@@ -14,8 +14,8 @@
 #include "io/gis/gdal_errors.hpp"
 #include "io/gis/map_layers.hpp"
 #include "io/sane_limits.hpp"
-#include "text/printable_text.hpp"
-#include "text/whole_number.hpp"
+#include "text/encoded_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/georeference.hpp"
-#include "io/gis/geo_layer.hpp"
+#include "io/gis/geopackage.hpp"
 
 namespace orchard::io {
 

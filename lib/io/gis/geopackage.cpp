@@ -190,6 +190,23 @@ std::vector<std::uint8_t> geometry_blob(GeoGeometry geometry, int system_id,
 
 }  // namespace
 
+void LayerFile::begin_layer(const GeoLayer& layer) {
+  is_open_ = chosen_.empty() ? !has_one_layer_ || written_.empty() : chosen_ == layer.name;
+  if (!is_open_) {
+    left_out_.push_back(layer.name);
+    return;
+  }
+  open_layer(layer);
+  written_.emplace_back(layer.name, 0);
+}
+
+void LayerFile::add(const std::vector<GeoValue>& values,
+                    const std::vector<Eigen::Vector2d>& points_map) {
+  if (!is_open_) return;
+  ++written_.back().second;
+  write_feature(values, points_map);
+}
+
 struct GeoPackage::Impl {
   explicit Impl(const std::optional<geometry::Georeference>& g) : georeference(g) {
     require(sqlite3_open(":memory:", &database) == SQLITE_OK);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/georeference.hpp"
-#include "io/gis/geo_layer.hpp"
+#include "io/gis/geopackage.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gis/qgis_style.hpp"
 
-#include "text/markup_text.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {

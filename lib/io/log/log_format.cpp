@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/log/log_format.hpp"
 
+#include <algorithm>
+
 namespace orchard::io {
 namespace {
 
@@ -38,6 +40,24 @@ void put_log_event_header(const LogEventHeader& header, std::uint8_t* bytes) {
   put(static_cast<std::uint64_t>(header.timestamp_us), bytes + 12);
   put(header.channel_bytes, bytes + 20);
   put(header.data_bytes, bytes + 24);
+}
+
+bool is_channel_name(std::string_view text) {
+  return !text.empty() && text.size() <= LogEventHeader::kMaxChannelBytes &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > 0x20 && c < 0x7F; });
+}
+
+void append_log_event(std::int64_t event_number, std::int64_t timestamp_us,
+                      std::string_view channel, const std::uint8_t* data, std::size_t size,
+                      std::vector<std::uint8_t>& buffer) {
+  const LogEventHeader header{LogEventHeader::kSyncWord, event_number, timestamp_us,
+                              static_cast<std::uint32_t>(channel.size()),
+                              static_cast<std::uint32_t>(size)};
+  std::uint8_t bytes[LogEventHeader::kBytes];
+  put_log_event_header(header, bytes);
+  buffer.insert(buffer.end(), bytes, bytes + sizeof(bytes));
+  buffer.insert(buffer.end(), channel.begin(), channel.end());
+  buffer.insert(buffer.end(), data, data + size);
 }
 
 }  // namespace orchard::io

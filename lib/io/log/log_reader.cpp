@@ -38,11 +38,6 @@ std::unique_ptr<std::istream> open_log(const std::string& path) {
   return file;
 }
 
-/// LCM's channel names are printable; other bytes indicate damage.
-bool is_channel_name(const std::uint8_t* bytes, std::size_t size) {
-  return std::all_of(bytes, bytes + size, [](std::uint8_t c) { return c > 0x20 && c < 0x7F; });
-}
-
 }  // namespace
 
 LogReader::LogReader(const std::string& path) : LogReader(open_log(path), path) {}
@@ -79,11 +74,11 @@ std::optional<std::uint64_t> LogReader::plausible_size(std::uint64_t offset, boo
   if (view.size < LogEventHeader::kBytes) return std::nullopt;
   const LogEventHeader header = parse_log_event_header(view.bytes);
   if (sync_word && header.sync != LogEventHeader::kSyncWord) return std::nullopt;
-  if (header.channel_bytes == 0 || header.channel_bytes > kMaxChannelBytes) return std::nullopt;
+  if (header.channel_bytes > kMaxChannelBytes) return std::nullopt;
   if (header.event_bytes() > kMaxEventBytes) return std::nullopt;
   if (header.event_bytes() > window_.size() - offset) return std::nullopt;
-  if (!is_channel_name(view.bytes + LogEventHeader::kBytes, header.channel_bytes))
-    return std::nullopt;
+  const auto* channel = reinterpret_cast<const char*>(view.bytes + LogEventHeader::kBytes);
+  if (!is_channel_name({channel, header.channel_bytes})) return std::nullopt;
   return header.event_bytes();
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "io/log/file_window.hpp"
-#include "io/log/log_event.hpp"
+#include "io/log/log_format.hpp"
 
 namespace orchard::io {
 
@@ -28,8 +28,8 @@ struct LogGap {
 /// check the data.
 class LogReader {
  public:
-  static constexpr std::uint32_t kMaxChannelBytes = 63;
-  static constexpr std::uint32_t kMaxEventBytes = 64u << 20;
+  static constexpr std::uint32_t kMaxChannelBytes = LogEventHeader::kMaxChannelBytes;
+  static constexpr std::uint32_t kMaxEventBytes = LogEventHeader::kMaxEventBytes;
 
   /// Throws io::FileError naming the path when the file cannot be opened.
   explicit LogReader(const std::string& path);

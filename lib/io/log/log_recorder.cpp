@@ -29,9 +29,7 @@ std::string numbered(const std::string& stem, int number) {
 }
 
 bool fits_a_log(std::string_view channel, std::size_t size) {
-  const bool printable =
-      std::all_of(channel.begin(), channel.end(), [](char c) { return c > 0x20 && c < 0x7F; });
-  return printable && !channel.empty() && channel.size() <= LogReader::kMaxChannelBytes &&
+  return is_channel_name(channel) &&
          LogEventHeader::kBytes + channel.size() + size <= LogReader::kMaxEventBytes;
 }
 
@@ -72,17 +70,7 @@ void LogRecorder::write(std::int64_t utime, std::string_view channel, const std:
     ++num_dropped_;
     return;
   }
-  LogEventHeader header;
-  header.sync = LogEventHeader::kSyncWord;
-  header.event_number = num_in_file_;
-  header.timestamp_us = utime;
-  header.channel_bytes = static_cast<std::uint32_t>(channel.size());
-  header.data_bytes = static_cast<std::uint32_t>(size);
-  std::uint8_t bytes[LogEventHeader::kBytes];
-  put_log_event_header(header, bytes);
-  buffer_.insert(buffer_.end(), bytes, bytes + sizeof(bytes));
-  buffer_.insert(buffer_.end(), channel.begin(), channel.end());
-  buffer_.insert(buffer_.end(), data, data + size);
+  append_log_event(num_in_file_, utime, channel, data, size, buffer_);
   ++num_in_file_;
   ++num_in_buffer_;
   if (buffer_.size() >= kBuffer_bytes) flush();

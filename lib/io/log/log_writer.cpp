@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
@@ -61,9 +62,7 @@ LogWriter::~LogWriter() = default;
 void LogWriter::write(std::int64_t timestamp_us, std::string_view channel,
                       const std::vector<std::uint8_t>& data) {
   if (!impl_) throw FileError("write to a closed log");
-  const bool printable =
-      std::all_of(channel.begin(), channel.end(), [](char c) { return c > 0x20 && c < 0x7F; });
-  if (channel.empty() || channel.size() > LogReader::kMaxChannelBytes || !printable) {
+  if (!is_channel_name(channel)) {
     throw FileError(impl_->target + ": \"" + std::string(channel) +
                     "\" is not a channel name: it must have 1 to 63 printable characters");
   }
@@ -71,20 +70,10 @@ void LogWriter::write(std::int64_t timestamp_us, std::string_view channel,
     throw FileError(impl_->target + ": a message of " + std::to_string(data.size()) + " bytes on " +
                     std::string(channel) + " is too large for a log");
   }
-  LogEventHeader header;
-  header.sync = LogEventHeader::kSyncWord;
-  header.event_number = impl_->num_events;
-  header.timestamp_us = timestamp_us;
-  header.channel_bytes = static_cast<std::uint32_t>(channel.size());
-  header.data_bytes = static_cast<std::uint32_t>(data.size());
-  std::uint8_t bytes[LogEventHeader::kBytes];
-  put_log_event_header(header, bytes);
-  auto& buffer = impl_->buffer;
-  buffer.insert(buffer.end(), bytes, bytes + sizeof(bytes));
-  buffer.insert(buffer.end(), channel.begin(), channel.end());
-  buffer.insert(buffer.end(), data.begin(), data.end());
+  append_log_event(impl_->num_events, timestamp_us, channel, data.data(), data.size(),
+                   impl_->buffer);
   ++impl_->num_events;
-  if (buffer.size() >= Impl::kBufferBytes) impl_->flush();
+  if (impl_->buffer.size() >= Impl::kBufferBytes) impl_->flush();
 }
 
 void LogWriter::close() {
@@ -95,6 +84,29 @@ void LogWriter::close() {
   ::close(impl_->fd);
   impl_->fd = -1;
   impl_.reset();
+}
+
+LogRepair repair_log(const std::string& path, const std::string& out_path,
+                     const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(path, out_path, ignored)) {
+    throw FileError(out_path + " is the input log; give another name for the output");
+  }
+  LogReader reader(path);  // opened before the output is created
+  LogWriter writer(out_path);
+  LogRepair repair;
+  while (const auto event = reader.next()) {
+    writer.write(event->timestamp_us, event->channel, event->data);
+    ++repair.num_events;
+    if (progress) progress(reader.position(), reader.file_size());
+  }
+  if (repair.num_events == 0) {
+    throw FileError(path + " has no readable LCM event; give an LCM log");
+  }
+  repair.gaps = reader.gaps();
+  for (const LogGap& gap : repair.gaps) repair.num_lost_bytes += gap.size;
+  writer.close();
+  return repair;
 }
 
 }  // namespace orchard::io

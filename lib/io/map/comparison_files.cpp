@@ -88,8 +88,9 @@ std::string comparison_geopackage(const ComparisonContent& content) {
   return file.finish();
 }
 
-}  // namespace
-
+/// compare.csv as text: change,confidence,id_a,id_b,class_a,class_b,x_m,y_m,moved_m,width_a_m,
+/// width_b_m,width_change_m,width_change_se_m,row,position. Positions are in the frame of the
+/// earlier map.
 std::string comparison_csv(const ComparisonContent& content) {
   std::string text =
       "change,confidence,id_a,id_b,class_a,class_b,x_m,y_m,moved_m,width_a_m,width_b_m,"
@@ -112,6 +113,7 @@ std::string comparison_csv(const ComparisonContent& content) {
   return text;
 }
 
+/// compare.json as text: the same with the alignment and the counts; lengths in metres.
 std::string comparison_json(const ComparisonContent& content) {
   const mapping::MapAlignment& alignment = content.alignment;
   Json json;
@@ -156,6 +158,8 @@ std::string comparison_json(const ComparisonContent& content) {
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
+
+}  // namespace
 
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
   make_folder(folder, "choose another folder for the comparison");

@@ -32,4 +32,17 @@ CorrectedMapFolder corrected_map_of(StoredMap mapped, std::vector<mapping::Corre
 /// Summarizes the result of the corrections: "3 applied, 1 conflict"; "none" if there are none.
 std::string corrections_text(const mapping::CorrectedMap& corrected);
 
+/// Finds a landmark by the user's name for it: its id ("17"), or row and tree ("3/14", the row by
+/// number or by name). Throws FileError with one sentence if there is none.
+const mapping::Landmark& landmark_named(const CorrectedMapFolder& map, const std::string& name);
+
+/// Position of the gap "3/14". Throws FileError if there is no such gap.
+Eigen::Vector2d gap_named(const CorrectedMapFolder& map, const std::string& name);
+
+/// Number of the row with that name. Throws FileError if there is none.
+std::int32_t row_named(const CorrectedMapFolder& map, const std::string& name);
+
+/// Describes a landmark: "17 (tree, row 3 tree 14)".
+std::string landmark_words(const mapping::Landmark& landmark);
+
 }  // namespace orchard::io

@@ -6,17 +6,195 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
 
+#include "detection/detection.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/map/rounded.hpp"
+#include "io/sane_limits.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::io {
 namespace {
 
+using detection::Label;
+using Eigen::Vector2d;
+using mapping::Correction;
+using mapping::CorrectionKind;
+using mapping::CorrectionTarget;
+using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
+
+constexpr std::size_t kLineMax_bytes = 65536;
+
+constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max() - 1;
+
+double metres(double value) { return rounded(value, 1e4); }
+
+Json target_json(const CorrectionTarget& target) {
+  Json json{{"id", target.id},
+            {"x_m", metres(target.p_map.x())},
+            {"y_m", metres(target.p_map.y())},
+            {"class", label_text(target.label)}};
+  if (target.width_m > 0.0) json["width_m"] = metres(target.width_m);
+  return json;
+}
+
+/// The fields of one line, with type checks.
+class Line {
+ public:
+  Line(std::string_view text, std::string place) : place_(std::move(place)) {
+    json_ = Json::parse(text, nullptr, false);
+    if (!json_.is_object()) fail("is not a JSON object");
+  }
+
+  [[noreturn]] void fail(const std::string& why) const {
+    throw FileError(place_ + ": " + why + "; correct or remove the line");
+  }
+
+  std::int64_t integer(const Json& json, const char* key, std::int64_t lo) const {
+    if (!json.contains(key) || !json[key].is_number_integer()) {
+      fail(std::string(key) + " must be a whole number");
+    }
+    const auto value = json[key].get<std::int64_t>();
+    if (value < lo || value > kMaxInt) fail(std::string(key) + " is out of range");
+    return value;
+  }
+  std::int32_t integer(const char* key, std::int64_t lo) {
+    used_.push_back(key);
+    return static_cast<std::int32_t>(integer(json_, key, lo));
+  }
+  std::string text(const char* key) {
+    used_.push_back(key);
+    if (!json_.contains(key) || !json_[key].is_string()) fail(std::string(key) + " must be a text");
+    auto value = json_[key].get<std::string>();
+    if (!is_correction_text(value)) {
+      fail(std::string(key) + " is too long, or contains control characters");
+    }
+    return value;
+  }
+  bool has(const char* key) const { return json_.contains(key); }
+
+  double number(const Json& json, double lo, double hi, const char* key) const {
+    if (!json.is_number()) fail(std::string(key) + " must be a number");
+    const double value = json.get<double>();
+    if (!std::isfinite(value) || value < lo || value > hi) {
+      fail(std::string(key) + " is out of range");
+    }
+    return value;
+  }
+  double width_m() {
+    used_.push_back("width_m");
+    return has("width_m") ? number(json_["width_m"], 0.0, kMaxWidth_m, "width_m") : 0.0;
+  }
+  Label label(const Json& json) const {
+    const std::string word =
+        json.contains("class") && json["class"].is_string() ? json["class"].get<std::string>() : "";
+    for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
+      if (word == label_text(label)) return label;
+    }
+    fail("class must be tree, object or unseen");
+  }
+  Label label() {
+    used_.push_back("class");
+    return label(json_);
+  }
+  std::vector<CorrectionTarget> targets(std::size_t least, std::size_t most) {
+    used_.push_back("landmarks");
+    if (!has("landmarks") || !json_["landmarks"].is_array()) fail("landmarks must be a list");
+    const Json& list = json_["landmarks"];
+    if (list.size() < least || list.size() > most)
+      fail("landmarks has the wrong number of landmarks for this correction");
+    std::vector<CorrectionTarget> result;
+    for (const Json& json : list) {
+      if (!json.is_object()) fail("landmarks must be a list of objects");
+      for (const char* key : {"x_m", "y_m"}) {
+        if (!json.contains(key)) fail(std::string("a landmark has no ") + key);
+      }
+      CorrectionTarget target;
+      target.id = static_cast<std::int32_t>(integer(json, "id", 0));
+      target.p_map = {number(json["x_m"], -kMaxCoordinate_m, kMaxCoordinate_m, "x_m"),
+                      number(json["y_m"], -kMaxCoordinate_m, kMaxCoordinate_m, "y_m")};
+      target.label = label(json);
+      if (json.contains("width_m")) {
+        target.width_m = number(json["width_m"], 0.0, kMaxWidth_m, "width_m");
+      }
+      result.push_back(target);
+    }
+    return result;
+  }
+  std::vector<Vector2d> places(std::size_t count) {
+    used_.push_back("places_m");
+    if (!has("places_m") || !json_["places_m"].is_array() || json_["places_m"].size() != count) {
+      fail("places_m must be " + std::to_string(count) + " [x, y]");
+    }
+    std::vector<Vector2d> result;
+    for (const Json& json : json_["places_m"]) {
+      if (!json.is_array() || json.size() != 2) fail("places_m must be a list of [x, y]");
+      result.push_back({number(json[0], -kMaxCoordinate_m, kMaxCoordinate_m, "places_m"),
+                        number(json[1], -kMaxCoordinate_m, kMaxCoordinate_m, "places_m")});
+    }
+    return result;
+  }
+  CorrectionKind kind() {
+    const std::string word = text("what");
+    for (const CorrectionKind kind : mapping::kAllCorrectionKinds) {
+      if (word == mapping::correction_word(kind)) return kind;
+    }
+    fail("\"" + printable_text(word) +
+         "\" is a kind of correction that this version does not know");
+  }
+  std::int64_t utime() {
+    const std::string when = text("when");
+    std::tm utc{};
+    const char* end = ::strptime(when.c_str(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+    if (end == nullptr || *end != '\0') fail("`when` must be a time like 2026-05-04T08:00:00Z");
+    return std::int64_t{1000000} * static_cast<std::int64_t>(::timegm(&utc));
+  }
+  /// An unknown field is from a later release or a mistake, so it is an error.
+  void require_all_used() const {
+    for (const auto& [key, value] : json_.items()) {
+      if (std::find(used_.begin(), used_.end(), key) == used_.end()) {
+        fail("\"" + printable_text(key) + "\" does not belong to this kind of correction");
+      }
+    }
+  }
+
+ private:
+  std::string place_;
+  Json json_;
+  std::vector<std::string> used_;
+};
+
+Correction correction_of(Line& line) {
+  Correction c;
+  c.number = line.integer("n", 1);
+  c.utime = line.utime();
+  c.who = line.text("who");
+  c.kind = line.kind();
+  const CorrectionShape& shape = correction_shape(c.kind);
+  if (shape.trees_most > 0) c.targets = line.targets(shape.trees_least, shape.trees_most);
+  if (shape.num_places > 0) c.places_map = line.places(shape.num_places);
+  if (shape.has("new_id")) c.new_id = line.integer("new_id", 1);
+  if (shape.has("class")) c.label = line.label();
+  if (shape.has("width_m")) c.width_m = line.width_m();
+  if (shape.has("row")) c.row = line.integer("row", 1);
+  if (shape.has("name")) c.name = line.text("name");
+  if (shape.has("position")) c.position = line.integer("position", 0);
+  if (shape.has("of")) c.of = line.integer("of", 1);
+  if (line.has("note")) c.note = line.text("note");
+  if (c.kind == CorrectionKind::kNote && c.note.empty()) line.fail("the note is empty");
+  line.require_all_used();
+  return c;
+}
 
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 
@@ -28,6 +206,15 @@ std::string path_in(const std::string& folder) {
   const int error = errno;
   throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" +
                   (error == EACCES || error == EROFS ? "; check that you may write there" : ""));
+}
+
+/// The whole file; empty if there is none.
+std::string text_of(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) return {};
+  if (!fs::is_regular_file(status)) throw FileError(path + " is not a regular file; move it away");
+  return read_file(path, kMaxBytes, "move it away");
 }
 
 /// The file, open and exclusively locked during the lifetime of this object.
@@ -43,27 +230,6 @@ class LockedFile {
   }
   LockedFile(const LockedFile&) = delete;
   LockedFile& operator=(const LockedFile&) = delete;
-
-  std::string text() const {
-    struct stat status {};
-    if (::fstat(fd_, &status) != 0) fail(path_, "be read");
-    if (!S_ISREG(status.st_mode)) throw FileError(path_ + " is not a regular file; move it away");
-    if (static_cast<std::size_t>(status.st_size) > kMaxBytes) {
-      throw FileError(path_ + " is too large for a list of corrections; move it away");
-    }
-    std::string text(static_cast<std::size_t>(status.st_size), '\0');
-    std::size_t size = 0;
-    while (size < text.size()) {
-      const ssize_t got =
-          ::pread(fd_, text.data() + size, text.size() - size, static_cast<off_t>(size));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) fail(path_, "be read");
-      if (got == 0) break;
-      size += static_cast<std::size_t>(got);
-    }
-    text.resize(size);
-    return text;
-  }
 
   /// Replaces everything from `offset` on by `lines`, or leaves it unchanged when the disk is full.
   void write_from(std::size_t offset, const std::string& lines) {
@@ -108,28 +274,85 @@ class LockedFile {
 
 }  // namespace
 
+bool CorrectionShape::has(std::string_view key) const {
+  return (" " + std::string(fields) + " ").find(" " + std::string(key) + " ") != std::string::npos;
+}
+
+const CorrectionShape& correction_shape(CorrectionKind kind) {
+  static const CorrectionShape kShapes[] = {{CorrectionKind::kDelete, 1, 1, 0, ""},
+                                            {CorrectionKind::kAdd, 0, 0, 1, "new_id class width_m"},
+                                            {CorrectionKind::kMove, 1, 1, 1, ""},
+                                            {CorrectionKind::kClass, 1, 1, 0, "class"},
+                                            {CorrectionKind::kMerge, 2, 100, 1, ""},
+                                            {CorrectionKind::kSplit, 1, 1, 2, "new_id"},
+                                            {CorrectionKind::kRowName, 0, 0, 0, "row name"},
+                                            {CorrectionKind::kRenumber, 1, 1, 0, "row position"},
+                                            {CorrectionKind::kNote, 1, 1, 0, ""},
+                                            {CorrectionKind::kUndo, 0, 0, 0, "of"},
+                                            {CorrectionKind::kRedo, 0, 0, 0, "of"}};
+  return *std::find_if(std::begin(kShapes), std::end(kShapes),
+                       [kind](const CorrectionShape& shape) { return shape.kind == kind; });
+}
+
+bool is_correction_text(const std::string& text) {
+  if (text.size() > kCorrectionTextMax_bytes || printable_text(text) != text) return false;
+  try {
+    return !Json(text).dump().empty();
+  } catch (const Json::exception&) {
+    return false;  // not UTF-8
+  }
+}
+
+std::string utc_text(std::int64_t utime) {
+  const auto seconds = static_cast<std::time_t>(utime / 1000000);
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  char text[40];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+std::string correction_line(const Correction& c) {
+  Json json{{"n", c.number}, {"when", utc_text(c.utime)}, {"who", c.who}};
+  json["what"] = mapping::correction_word(c.kind);
+  if (c.of != 0) json["of"] = c.of;
+  for (const CorrectionTarget& target : c.targets) json["landmarks"].push_back(target_json(target));
+  for (const Vector2d& p : c.places_map) {
+    json["places_m"].push_back(Json::array({metres(p.x()), metres(p.y())}));
+  }
+  if (c.new_id != 0) json["new_id"] = c.new_id;
+  const CorrectionShape& shape = correction_shape(c.kind);
+  if (shape.has("class")) json["class"] = label_text(c.label);
+  if (shape.has("width_m") && c.width_m > 0.0) json["width_m"] = metres(c.width_m);
+  if (c.row != 0) json["row"] = c.row;
+  if (shape.has("position")) json["position"] = c.position;
+  if (shape.has("name")) json["name"] = c.name;
+  if (!c.note.empty()) json["note"] = c.note;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+StoredCorrections parse_corrections(std::string_view text, const std::string& name) {
+  StoredCorrections stored;
+  std::size_t begin = 0;
+  for (int line = 1; begin < text.size(); ++line) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string_view::npos) break;
+    const std::string place = name + ":" + std::to_string(line);
+    if (end - begin > kLineMax_bytes) throw FileError(place + ": the line is too long");
+    Line fields(text.substr(begin, end - begin), place);
+    Correction c = correction_of(fields);
+    const std::int32_t last = stored.list.empty() ? 0 : stored.list.back().number;
+    if (c.number <= last) fields.fail("n must increase from line to line");
+    stored.list.push_back(std::move(c));
+    begin = end + 1;
+  }
+  stored.num_unfinished_bytes = text.size() - begin;
+  return stored;
+}
+
 StoredCorrections read_corrections(const std::string& folder) {
   const std::string path = path_in(folder);
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd < 0) {
-    if (errno == ENOENT || errno == ENOTDIR) return {};
-    fail(path, "be read");
-  }
-  std::string text;
-  char part[65536];
-  ssize_t got = 0;
-  while ((got = ::read(fd, part, sizeof(part))) > 0 || (got < 0 && errno == EINTR)) {
-    if (got > 0) text.append(part, static_cast<std::size_t>(got));
-    if (text.size() > kMaxBytes) break;
-  }
-  const int error = errno;
-  ::close(fd);
-  errno = error;
-  if (got < 0) fail(path, "be read");
-  if (text.size() > kMaxBytes) {
-    throw FileError(path + " is too large for a list of corrections; move it away");
-  }
-  return parse_corrections(text, path);
+  return parse_corrections(text_of(path), path);
 }
 
 std::vector<mapping::Correction> append_corrections(
@@ -138,7 +361,7 @@ std::vector<mapping::Correction> append_corrections(
         make) {
   const std::string path = path_in(folder);
   LockedFile file(path);
-  const std::string text = file.text();
+  const std::string text = text_of(path);
   const StoredCorrections stored = parse_corrections(text, path);
   std::vector<mapping::Correction> added = make(stored.list);
   std::int32_t number = stored.list.empty() ? 0 : stored.list.back().number;

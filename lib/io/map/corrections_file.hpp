@@ -23,6 +23,17 @@ struct StoredCorrections {
   std::size_t num_unfinished_bytes = 0;
 };
 
+/// What a line of each kind has besides number, time, person and note.
+struct CorrectionShape {
+  mapping::CorrectionKind kind;
+  std::size_t trees_least, trees_most;  ///< landmarks concerned
+  std::size_t num_places;
+  const char* fields;  ///< other keys, separated by spaces
+
+  bool has(std::string_view key) const;
+};
+const CorrectionShape& correction_shape(mapping::CorrectionKind kind);
+
 /// Reads corrections.jsonl of a map folder; empty if there is none. Throws FileError "file:line:
 /// what" at the first error.
 StoredCorrections read_corrections(const std::string& folder);

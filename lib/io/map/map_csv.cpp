@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map/map_csv.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "detection/detection.hpp"
 #include "geometry/angles.hpp"
@@ -70,6 +73,39 @@ std::vector<Landmark> read_map(CsvReader csv) {
   return landmarks;
 }
 
+std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
+  TimedCsv<pose::PoseEstimate> table(std::move(csv), pose_columns<pose::PoseEstimate>());
+  std::vector<pose::PoseEstimate> trajectory;
+  while (const auto pose = table.next()) trajectory.push_back(*pose);
+  return trajectory;
+}
+
+constexpr std::size_t kPosesPerPiece = 4096;
+
+/// The head, and then the lines of so many poses at a time.
+TextPieces pieces_of(const std::vector<pose::PoseEstimate>& trajectory, const char* head,
+                     std::string (*line_of)(const pose::PoseEstimate&)) {
+  return
+      [&trajectory, head, line_of, i = std::size_t{0}, begun = false](std::string& piece) mutable {
+        piece = std::exchange(begun, true) ? "" : head;
+        const std::size_t end = std::min(i + kPosesPerPiece, trajectory.size());
+        for (; i < end; ++i) piece += line_of(trajectory[i]);
+        return !piece.empty();
+      };
+}
+
+std::string csv_line(const pose::PoseEstimate& pose) {
+  return std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
+         fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "\n";
+}
+
+std::string tum_line(const pose::PoseEstimate& pose) {
+  const std::string micros = std::to_string(1'000'000 + pose.utime % 1'000'000).substr(1);
+  return std::to_string(pose.utime / 1'000'000) + "." + micros + " " + fixed_text(pose.x_m, 4) +
+         " " + fixed_text(pose.y_m, 4) + " 0 0 0 " + fixed_text(std::sin(pose.yaw_rad / 2), 7) +
+         " " + fixed_text(std::cos(pose.yaw_rad / 2), 7) + "\n";
+}
+
 }  // namespace
 
 std::string map_csv(const std::vector<Landmark>& landmarks) {
@@ -98,6 +134,34 @@ std::vector<Landmark> read_map_csv(const std::string& path) {
 
 std::vector<Landmark> parse_map_csv(std::string_view text, const std::string& name) {
   return read_map(CsvReader::from_text(text, name));
+}
+
+TextPieces trajectory_csv_pieces(const std::vector<pose::PoseEstimate>& trajectory) {
+  return pieces_of(trajectory, "utime_us,x_m,y_m,yaw_rad\n", csv_line);
+}
+
+TextPieces trajectory_tum_pieces(const std::vector<pose::PoseEstimate>& trajectory) {
+  return pieces_of(trajectory, "# seconds x y z qx qy qz qw\n", tum_line);
+}
+
+std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory) {
+  std::string text, piece;
+  for (const TextPieces next = trajectory_csv_pieces(trajectory); next(piece);) text += piece;
+  return text;
+}
+
+void write_trajectory_csv(const std::string& path,
+                          const std::vector<pose::PoseEstimate>& trajectory) {
+  write_file_atomically(path, trajectory_csv(trajectory));
+}
+
+std::vector<pose::PoseEstimate> read_trajectory_csv(const std::string& path) {
+  return read_trajectory(CsvReader::open(path));
+}
+
+std::vector<pose::PoseEstimate> parse_trajectory_csv(std::string_view text,
+                                                     const std::string& name) {
+  return read_trajectory(CsvReader::from_text(text, name));
 }
 
 }  // namespace orchard::io

@@ -8,10 +8,10 @@
 
 #include "detection/detection.hpp"
 #include "io/file_error.hpp"
+#include "io/map/corrected_map.hpp"
 #include "io/map/corrections_file.hpp"
-#include "io/map/tree_name.hpp"
 #include "io/sane_limits.hpp"
-#include "text/printable_text.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -89,40 +89,22 @@ Correction correction_of(const MapEdit& edit, const CorrectedMapFolder& map) {
     }
   }
   c.places_map = edit.places_map;
-  switch (c.kind) {
-    case CorrectionKind::kAdd:
-      if (c.places_map.empty() == edit.trees.empty()) {
-        throw FileError("give the position of the missing landmark: a gap (3/14) or --at X Y");
-      }
-      if (c.places_map.empty()) c.places_map = {gap_named(map, edit.trees.front())};
-      c.new_id = map.corrected.next_id;
-      c.label = label_named(edit.class_word);
-      c.width_m = edit.width_m;
-      break;
-    case CorrectionKind::kClass:
-      c.label = label_named(edit.class_word);
-      break;
-    case CorrectionKind::kMerge:
-      if (c.places_map.empty()) c.places_map = {place_of_all(map, edit.trees)};
-      break;
-    case CorrectionKind::kSplit:
-      c.new_id = map.corrected.next_id;
-      break;
-    case CorrectionKind::kRowName:
-      c.row = row_named(map, edit.row);
-      c.name = edit.name;
-      break;
-    case CorrectionKind::kRenumber:
-      c.row = row_to_give(edit.row, map);
-      c.position = edit.position;
-      break;
-    case CorrectionKind::kUndo:
-    case CorrectionKind::kRedo:
-      c.of = number_to_turn(edit, map.corrections);
-      break;
-    default:
-      break;
+  if (c.kind == CorrectionKind::kAdd) {
+    if (c.places_map.empty() == edit.trees.empty()) {
+      throw FileError("give the position of the missing landmark: a gap (3/14) or --at X Y");
+    }
+    if (c.places_map.empty()) c.places_map = {gap_named(map, edit.trees.front())};
   }
+  if (c.kind == CorrectionKind::kMerge && c.places_map.empty()) {
+    c.places_map = {place_of_all(map, edit.trees)};
+  }
+  const CorrectionShape& shape = correction_shape(c.kind);
+  if (shape.has("new_id")) c.new_id = map.corrected.next_id;
+  if (shape.has("class")) c.label = label_named(edit.class_word);
+  if (shape.has("width_m")) c.width_m = edit.width_m;
+  if (shape.has("name")) c.row = row_named(map, edit.row), c.name = edit.name;
+  if (shape.has("position")) c.row = row_to_give(edit.row, map), c.position = edit.position;
+  if (shape.has("of")) c.of = number_to_turn(edit, map.corrections);
   return c;
 }
 
@@ -147,37 +129,18 @@ void require_sound(const MapEdit& edit) {
           "the text is too long, not UTF-8 or has several lines; shorten or correct it");
     }
   }
-  struct Needs {
-    std::size_t trees_least, trees_most, places_least, places_most;
+  const CorrectionShape& shape = correction_shape(edit.kind);
+  const bool is_add = edit.kind == CorrectionKind::kAdd;  // of a gap, or at a place
+  const bool may_lack_place = is_add || edit.kind == CorrectionKind::kMerge;
+  const auto require_number = [&](std::size_t num, std::size_t least, std::size_t most,
+                                  const char* what) {
+    if (num >= least && num <= most) return;
+    throw FileError(mapping::correction_word(edit.kind) + (" needs " + std::to_string(least)) +
+                    " to " + std::to_string(most) + what + ", not " + std::to_string(num));
   };
-  const auto needs = [&]() -> Needs {
-    switch (edit.kind) {
-      case CorrectionKind::kAdd:
-        return {0, 1, 0, 1};
-      case CorrectionKind::kMove:
-        return {1, 1, 1, 1};
-      case CorrectionKind::kMerge:
-        return {2, 100, 0, 1};
-      case CorrectionKind::kSplit:
-        return {1, 1, 2, 2};
-      case CorrectionKind::kRowName:
-      case CorrectionKind::kUndo:
-      case CorrectionKind::kRedo:
-        return {0, 0, 0, 0};
-      default:
-        return {1, 1, 0, 0};
-    }
-  }();
-  const std::size_t trees = edit.trees.size(), places = edit.places_map.size();
-  const std::string word = mapping::correction_word(edit.kind);
-  if (trees < needs.trees_least || trees > needs.trees_most) {
-    throw FileError(word + " needs " + std::to_string(needs.trees_least) + " to " +
-                    std::to_string(needs.trees_most) + " trees, not " + std::to_string(trees));
-  }
-  if (places < needs.places_least || places > needs.places_most) {
-    throw FileError(word + " needs " + std::to_string(needs.places_least) + " to " +
-                    std::to_string(needs.places_most) + " places, not " + std::to_string(places));
-  }
+  require_number(edit.trees.size(), shape.trees_least, is_add ? 1 : shape.trees_most, " trees");
+  require_number(edit.places_map.size(), may_lack_place ? 0 : shape.num_places, shape.num_places,
+                 " places");
   for (const Vector2d& p : edit.places_map) {
     if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
       throw FileError("the position is farther away than a map can reach");

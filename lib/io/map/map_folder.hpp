@@ -18,6 +18,9 @@
 
 namespace orchard::io {
 
+/// Path of a landmark's photograph in a map folder.
+std::string photo_path(std::int32_t landmark_id);
+
 /// Part of summary.json about the run: how the map was made and what was lost.
 struct MapSummary {
   std::string source;  ///< log file name (no folder), or "live"

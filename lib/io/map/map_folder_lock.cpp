@@ -18,7 +18,6 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
-#include "io/folder_names.hpp"
 
 namespace orchard::io {
 namespace {
@@ -97,11 +96,6 @@ void MapFolderLock::remove_temporaries() {
     std::error_code error;
     if (fs::remove(file(name), error)) ++num_removed_temporaries_;
   }
-}
-
-bool MapFolderLock::holds_map() const {
-  const std::vector<std::string> names = folder_names(folder_);
-  return std::any_of(names.begin(), names.end(), is_map_file);
 }
 
 std::uint64_t MapFolderLock::free_bytes() const {

@@ -21,9 +21,6 @@ class MapFolderLock {
   const std::string& folder() const { return folder_; }
   std::string file(const std::string& name) const;
 
-  /// Whether the folder contains a file of a map.
-  bool holds_map() const;
-
   /// Moves all files of a map, and those named in `more`, into a subfolder named after the time of
   /// the newest one. Returns its path, or "" if there were none. Throws FileError.
   std::string set_aside(const std::vector<std::string>& more);

@@ -3,24 +3,90 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <set>
+#include <utility>
 
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/map/graph_json.hpp"
 #include "io/map/map_csv.hpp"
-#include "io/map/trajectory_csv.hpp"
+#include "io/map/rounded.hpp"
+#include "io/sane_limits.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
 
-using mapping::Landmark;
 using Json = nlohmann::ordered_json;
+using mapping::Landmark;
+
+Json place(const Eigen::Vector2d& p) { return {millimetres(p.x()), millimetres(p.y())}; }
+
+/// A value in a JSON file of a map; what is not as this program writes it is a FileError.
+class Value {
+ public:
+  Value(const Json& json, const std::string& path) : json_(&json), path_(&path) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw FileError(*path_ + ": " + what + "; map the log again");
+  }
+  bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
+  Value at(const char* key) const {
+    if (!has(key)) fail(std::string(key) + " is missing");
+    return {(*json_)[key], *path_};
+  }
+  std::vector<Value> list(const char* key) const {
+    const Value found = at(key);
+    if (!found.json_->is_array()) fail(std::string(key) + " must be a list");
+    return found.elements();
+  }
+  std::string text(const char* key) const {
+    const Value found = at(key);
+    return found.json_->is_string() ? found.json_->get<std::string>() : "";
+  }
+  double number(const char* key, double lo, double hi) const { return at(key).in(key, lo, hi); }
+  std::int32_t whole(const char* key, double lo) const {
+    const double value = number(key, lo, INT32_MAX);
+    if (value != std::floor(value)) fail(std::string(key) + " must be a whole number");
+    return static_cast<std::int32_t>(value);
+  }
+  Eigen::Vector2d place() const {
+    if (!json_->is_array() || json_->size() != 2) fail("a place must be two numbers");
+    const std::vector<Value> xy = elements();
+    return {xy[0].in("a place", -kMaxCoordinate_m, kMaxCoordinate_m),
+            xy[1].in("a place", -kMaxCoordinate_m, kMaxCoordinate_m)};
+  }
+
+ private:
+  double in(const std::string& name, double lo, double hi) const {
+    const double value = json_->is_number() ? json_->get<double>() : NAN;
+    if (!(value >= lo && value <= hi)) {
+      fail(name + " must be a number in [" + shortest_text(lo) + ", " + shortest_text(hi) + "]");
+    }
+    return value;
+  }
+  std::vector<Value> elements() const {
+    std::vector<Value> values;
+    for (const Json& json : *json_) values.emplace_back(json, *path_);
+    return values;
+  }
+
+  const Json* json_;
+  const std::string* path_;
+};
+
+/// Parses a file of a map, an object.
+Json parsed(const std::string& path) {
+  constexpr std::size_t kBytesMax = std::size_t{64} << 20;
+  Json json = Json::parse(read_file(path, kBytesMax, "map the log again"), nullptr, false);
+  if (!json.is_object()) throw FileError(path + " is not a JSON object; map the log again");
+  return json;
+}
 
 constexpr double kWidestTrunk_m = 5.0;
 constexpr double kWidestSpacing_m = 300.0;  ///< median distance to the nearest neighbour
@@ -70,61 +136,113 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
   }
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-double number_in(const Json& json, const char* key, double lo, double hi, const std::string& name) {
-  if (!json.contains(key) || !json[key].is_number()) {
-    throw FileError(name + ": " + key + " is missing or not a number; map the log again");
-  }
-  const double value = json[key].get<double>();
-  if (!std::isfinite(value) || value < lo || value > hi) {
-    throw FileError(name + ": " + key + " = " + fixed_text(value, 3) +
-                    " is out of range; map the log again");
-  }
-  return value;
-}
-
-void take_summary(const std::filesystem::path& path, StoredMap& map) {
-  const std::string name = path.string();
-  const Json json = Json::parse(text_of(path), nullptr, false);
-  if (!json.is_object()) throw FileError(name + " is not a JSON object; map the log again");
-  if (json.contains("next_id")) {
-    map.next_id = std::max(
-        map.next_id, static_cast<std::int32_t>(number_in(json, "next_id", 1, 2147483647.0, name)));
-  }
-  if (json.contains("view") && json["view"].is_object()) {
-    const Json& view = json["view"];
-    map.view.reach_m = number_in(view, "reach_m", 0.1, 500.0, name);
-    map.view.bearing_min_rad = number_in(view, "bearing_min_rad", -7.0, 7.0, name);
-    map.view.bearing_max_rad = number_in(view, "bearing_max_rad", -7.0, 7.0, name);
-    map.view.mount_x_m = number_in(view, "mount_x_m", -100.0, 100.0, name);
-    map.view.mount_y_m = number_in(view, "mount_y_m", -100.0, 100.0, name);
-    map.view.mount_yaw_rad = number_in(view, "mount_yaw_rad", -7.0, 7.0, name);
-    if (view.contains("min_observations")) {
-      map.view.min_observations =
-          static_cast<int>(number_in(view, "min_observations", 1, 1e6, name));
+void take_summary(const Value& json, StoredMap& map) {
+  if (json.has("next_id")) map.next_id = std::max(map.next_id, json.whole("next_id", 1));
+  if (json.has("view")) {
+    const Value view = json.at("view");
+    map.view.reach_m = view.number("reach_m", 0.1, 500.0);
+    map.view.bearing_min_rad = view.number("bearing_min_rad", -7.0, 7.0);
+    map.view.bearing_max_rad = view.number("bearing_max_rad", -7.0, 7.0);
+    map.view.mount_x_m = view.number("mount_x_m", -100.0, 100.0);
+    map.view.mount_y_m = view.number("mount_y_m", -100.0, 100.0);
+    map.view.mount_yaw_rad = view.number("mount_yaw_rad", -7.0, 7.0);
+    if (view.has("min_observations")) {
+      map.view.min_observations = static_cast<int>(view.number("min_observations", 1, 1e6));
     }
   }
-  if (json.contains("georeference") && json["georeference"].is_object()) {
-    const Json& g = json["georeference"];
-    geometry::Georeference georeference;
-    georeference.latitude_deg = number_in(g, "latitude_deg", -90.0, 90.0, name);
-    georeference.longitude_deg = number_in(g, "longitude_deg", -360.0, 360.0, name);
-    georeference.altitude_m = number_in(g, "altitude_m", -1e5, 1e5, name);
-    georeference.x_m = number_in(g, "x_m", -1e8, 1e8, name);
-    georeference.y_m = number_in(g, "y_m", -1e8, 1e8, name);
-    georeference.yaw_rad = number_in(g, "yaw_rad", -7.0, 7.0, name);
-    georeference.residual_rms_m = number_in(g, "residual_rms_m", 0.0, 1e6, name);
-    map.georeference = georeference;
+  if (json.has("georeference")) {
+    const Value g = json.at("georeference");
+    geometry::Georeference& georeference = map.georeference.emplace();
+    georeference.latitude_deg = g.number("latitude_deg", -90.0, 90.0);
+    georeference.longitude_deg = g.number("longitude_deg", -360.0, 360.0);
+    georeference.altitude_m = g.number("altitude_m", -1e5, 1e5);
+    georeference.x_m = g.number("x_m", -kMaxCoordinate_m, kMaxCoordinate_m);
+    georeference.y_m = g.number("y_m", -kMaxCoordinate_m, kMaxCoordinate_m);
+    georeference.yaw_rad = g.number("yaw_rad", -7.0, 7.0);
+    georeference.residual_rms_m = g.number("residual_rms_m", 0.0, 1e6);
   }
+}
+
+constexpr double kUtimeMax = 9e18;  // derived: fits into 64 bits
+
+void add_interval(const Value& interval, std::string_view fix_channel, SummaryFacts& facts) {
+  const double duration_s = 1e-6 * (interval.number("last_utime_us", -kUtimeMax, kUtimeMax) -
+                                    interval.number("first_utime_us", -kUtimeMax, kUtimeMax));
+  if (!(duration_s >= 0.0)) return;
+  if (interval.text("missing") == fix_channel) {
+    facts.without_fixes_s += duration_s;
+    return;
+  }
+  facts.without_pictures_s += duration_s;
+  if (!interval.has("first_landmark")) return;
+  const std::int32_t first = interval.whole("first_landmark", 1);
+  facts.num_met_without_pictures += interval.whole("last_landmark", first) - first + 1;
+}
+
+/// Reads a graph.json. Throws FileError naming the file and the first entry that is not as
+/// graph_json() writes it.
+mapping::NavigationGraph read_graph_json(const std::string& path) {
+  const Json json = parsed(path);
+  const Value file(json, path);
+  mapping::NavigationGraph graph;
+  std::set<std::int32_t> nodes;
+  for (const Value& node : file.list("nodes")) {
+    graph.nodes.push_back({node.whole("id", 1), node.at("place").place()});
+    if (!nodes.insert(graph.nodes.back().id).second) node.fail("a node's id occurs twice");
+  }
+  for (const Value& entry : file.list("edges")) {
+    mapping::NavigationEdge edge;
+    edge.id = entry.whole("id", 1);
+    const std::string kind = entry.text("kind");
+    if (kind != "alley" && kind != "headland") entry.fail("kind must be alley or headland");
+    const bool is_alley = kind == "alley";
+    edge.kind = is_alley ? mapping::EdgeKind::kAlley : mapping::EdgeKind::kHeadland;
+    edge.from = entry.whole("from", 1);
+    edge.to = entry.whole("to", 1);
+    if (nodes.count(edge.from) + nodes.count(edge.to) < 2) entry.fail("an edge has no such node");
+    edge.row_left = entry.whole(is_alley ? "row_left" : "row", 0);
+    if (is_alley) edge.row_right = entry.whole("row_right", 0);
+    edge.length_m = entry.number("length_m", 0.0, kMaxCoordinate_m);
+    edge.width_m = entry.number("width_m", 0.0, kMaxCoordinate_m);
+    for (const Value& p : entry.list("line")) edge.line_map.push_back(p.place());
+    if (edge.line_map.size() < 2) entry.fail("a line needs two points");
+    graph.edges.push_back(std::move(edge));
+  }
+  return graph;
 }
 
 }  // namespace
+
+std::string graph_json(const mapping::NavigationGraph& graph) {
+  Json json;
+  json["frame"] = "map";
+  json["unit"] = "m";
+  json["nodes"] = Json::array();
+  for (const mapping::NavigationNode& node : graph.nodes) {
+    json["nodes"].push_back({{"id", node.id}, {"place", place(node.p_map)}});
+  }
+  json["edges"] = Json::array();
+  for (const mapping::NavigationEdge& edge : graph.edges) {
+    const bool is_alley = edge.kind == mapping::EdgeKind::kAlley;
+    Json line = Json::array();
+    for (const Eigen::Vector2d& p : edge.line_map) line.push_back(place(p));
+    Json entry{{"id", edge.id},
+               {"kind", is_alley ? "alley" : "headland"},
+               {"from", edge.from},
+               {"to", edge.to}};
+    if (is_alley) {
+      entry["row_left"] = edge.row_left;
+      entry["row_right"] = edge.row_right;
+    } else {
+      entry["row"] = edge.row_left;
+    }
+    entry["length_m"] = millimetres(edge.length_m);
+    entry["width_m"] = millimetres(edge.width_m);
+    entry["line"] = std::move(line);
+    json["edges"].push_back(std::move(entry));
+  }
+  return json.dump(1) + "\n";
+}
 
 StoredMap read_stored_map(const std::string& folder_or_csv) {
   namespace fs = std::filesystem;
@@ -144,7 +262,9 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
     map.next_id = std::max(map.next_id, l.id < 2147483647 ? l.id + 1 : l.id);
   }
   if (!is_folder) return map;
-  if (fs::exists(folder / "summary.json")) take_summary(folder / "summary.json", map);
+  if (const std::string path = (folder / "summary.json").string(); fs::exists(path)) {
+    take_summary({parsed(path), path}, map);
+  }
   if (fs::exists(folder / "graph.json"))
     map.graph = read_graph_json((folder / "graph.json").string());
   for (int k = 1;; ++k) {
@@ -155,6 +275,38 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
     if (!trajectory.empty()) map.trajectories.push_back(std::move(trajectory));
   }
   return map;
+}
+
+SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel) {
+  namespace fs = std::filesystem;
+  fs::path folder(folder_or_csv);
+  if (!fs::is_directory(folder)) folder = folder.parent_path();
+  const fs::path path = folder / "summary.json";
+  SummaryFacts facts;
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return facts;
+  constexpr std::size_t kWarningsMax = 20, kWarningLengthMax = 400;  // derived: a page of them
+  const std::string name = path.string();
+  const Json json = parsed(name);
+  const Value summary(json, name);
+  if (summary.has("first_utime_us")) {
+    facts.day = date_text(
+        static_cast<std::int64_t>(summary.number("first_utime_us", -kUtimeMax, kUtimeMax)));
+  }
+  if (summary.has("version")) facts.version = printable_text(summary.text("version"));
+  if (summary.has("degraded")) {
+    for (const Value& interval : summary.list("degraded")) {
+      add_interval(interval, fix_channel, facts);
+    }
+  }
+  if (summary.has("warnings")) {
+    for (const Json& warning : json["warnings"]) {
+      if (!warning.is_string() || facts.warnings.size() >= kWarningsMax) continue;
+      facts.warnings.push_back(
+          printable_text(warning.get<std::string>().substr(0, kWarningLengthMax)));
+    }
+  }
+  return facts;
 }
 
 }  // namespace orchard::io

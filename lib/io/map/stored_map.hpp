@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/georeference.hpp"
@@ -13,6 +14,10 @@
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::io {
+
+/// graph.json as text, for path planners: nodes with id and position, edges with kind, nodes, rows,
+/// length, free width and line, in metres of the map frame.
+std::string graph_json(const mapping::NavigationGraph& graph);
 
 /// A map read from its files.
 struct StoredMap {
@@ -30,5 +35,20 @@ struct StoredMap {
 /// Throws FileError naming file, line and column of the first error; also for a map without
 /// landmarks, and for one whose coordinates cannot be metres (millimetres, degrees).
 StoredMap read_stored_map(const std::string& folder_or_csv);
+
+/// Facts from a map's summary.json that a report mentions; empty if there is no such file.
+struct SummaryFacts {
+  std::string day;      ///< date of the drive, "2026-11-22"; empty: unknown
+  std::string version;  ///< version of the program that made the map
+  double without_pictures_s = 0.0;
+  int num_met_without_pictures = 0;  ///< landmarks first seen then
+  double without_fixes_s = 0.0;
+  std::vector<std::string> warnings;
+};
+
+/// Reads the summary.json beside a map.csv or in a map folder; a missing file gives empty facts.
+/// `fix_channel`: name under which missing fixes are listed; all other missing inputs are counted
+/// as images. Throws FileError for invalid JSON or another structure.
+SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel);
 
 }  // namespace orchard::io

@@ -1,14 +1,165 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/postgis/publication.hpp"
 
+#include <libpq-fe.h>
+
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "detection/detection.hpp"
-#include "io/postgis/connection.hpp"
-#include "io/postgis/qgis_tables.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/qgis_style.hpp"
 #include "io/postgis/schema_text.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
+
+struct ResultClearer {
+  void operator()(PGresult* result) const { PQclear(result); }
+};
+using Result = std::unique_ptr<PGresult, ResultClearer>;
+
+/// The first line of a server message, which states the error; the others refer to our SQL.
+std::string first_line(const char* message) {
+  std::string text = message == nullptr ? "" : message;
+  text = text.substr(0, text.find('\n'));
+  return text.empty() ? "no reason given" : text;
+}
+
+void require_no_password(const std::string& url) {
+  char* error = nullptr;
+  PQconninfoOption* options = PQconninfoParse(url.c_str(), &error);
+  if (options == nullptr) {
+    PQfreemem(error);  // it may contain the password
+    throw FileError(
+        "--to: this is not a PostgreSQL URL; give one such as postgresql://user@host/database");
+  }
+  bool has_password = false;
+  for (const PQconninfoOption* o = options; o->keyword != nullptr; ++o) {
+    if (std::string(o->keyword) == "password" && o->val != nullptr) has_password = true;
+  }
+  PQconninfoFree(options);
+  if (has_password) {
+    throw FileError(
+        "--to: a password on the command line is visible to everyone on this machine; put it into "
+        "~/.pgpass (mode 600), a service file or PGPASSWORD instead");
+  }
+}
+
+/// Label: row and tree such as "3/14", else "#id".
+constexpr char kLabel[] =
+    "coalesce(coalesce(\"row_name\", to_string(\"row\")) || '/' || coalesce(\"tree_name\", "
+    "to_string(\"position\")), '#' || to_string(\"id\"))";
+
+/// The columns of layer_styles as created by QGIS 3.
+constexpr char kBegin[] =
+    "DO $do$ BEGIN "
+    "CREATE TABLE IF NOT EXISTS public.layer_styles (id serial PRIMARY KEY, "
+    "f_table_catalog varchar, f_table_schema varchar, f_table_name varchar, "
+    "f_geometry_column varchar, stylename text, styleqml xml, stylesld xml, useasdefault boolean, "
+    "description text, owner varchar(63) DEFAULT CURRENT_USER, ui xml, "
+    "update_time timestamp DEFAULT CURRENT_TIMESTAMP, type varchar); "
+    "INSERT INTO public.layer_styles (f_table_catalog, f_table_schema, f_table_name, "
+    "f_geometry_column, stylename, styleqml, useasdefault, description) "
+    "SELECT current_database(), 'orchard', t.name, 'place', 'orchard', XMLPARSE(DOCUMENT $qml$";
+constexpr char kEnd[] =
+    "$qml$), true, 'Trees and other things; label: row/tree, or #id' "
+    "FROM (VALUES ('tree'), ('tree_now'), ('tree_replaced')) AS t (name) WHERE NOT EXISTS "
+    "(SELECT FROM public.layer_styles s WHERE s.f_table_catalog = current_database() "
+    "AND s.f_table_schema = 'orchard' AND s.f_table_name = t.name); "
+    "BEGIN GRANT SELECT ON public.layer_styles TO orchard_reader, orchard_writer; "
+    "EXCEPTION WHEN insufficient_privilege OR undefined_object THEN NULL; END; "
+    "EXCEPTION WHEN insufficient_privilege OR undefined_column THEN NULL; "
+    "END $do$";
+
+/// A connection to PostgreSQL. Errors are std::runtime_error with the server's message in one
+/// sentence. Uncommitted changes are rolled back when the connection ends.
+class PostgresConnection {
+ public:
+  /// Waits at most ten seconds unless the URL sets connect_timeout. Throws FileError for an invalid
+  /// URL or one with a password.
+  explicit PostgresConnection(const std::string& url) {
+    require_no_password(url);
+    const bool has_timeout = url.find("connect_timeout") != std::string::npos ||
+                             std::getenv("PGCONNECT_TIMEOUT") != nullptr;
+    // later entries of the list win, so the URL's own application_name does
+    const char* keys[] = {"application_name", "client_encoding",
+                          has_timeout ? "dbname" : "connect_timeout",
+                          has_timeout ? nullptr : "dbname", nullptr};
+    const char* values[] = {"orchard publish", "UTF8", has_timeout ? url.c_str() : "10",
+                            has_timeout ? nullptr : url.c_str(), nullptr};
+    connection_.reset(PQconnectdbParams(keys, values, 1));
+    if (PQstatus(connection_.get()) != CONNECTION_OK) fail("no connection to the database");
+    PQsetNoticeProcessor(
+        connection_.get(), [](void*, const char*) {}, nullptr);
+  }
+  PostgresConnection(const PostgresConnection&) = delete;
+  PostgresConnection& operator=(const PostgresConnection&) = delete;
+
+  /// Executes several statements without arguments.
+  void run(const char* statements) {
+    const Result result(PQexec(connection_.get(), statements));
+    const ExecStatusType status = PQresultStatus(result.get());
+    if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
+      fail("the database refused the request");
+  }
+
+  /// Executes one statement with $1, $2 ...; returns the number of rows it changed or, for a
+  /// SELECT, returned.
+  std::int64_t run(const char* statement, const std::vector<std::string>& arguments) {
+    std::vector<const char*> values;
+    for (const std::string& a : arguments) values.push_back(a.c_str());
+    const Result result(PQexecParams(connection_.get(), statement, static_cast<int>(values.size()),
+                                     nullptr, values.data(), nullptr, nullptr, 0));
+    const ExecStatusType status = PQresultStatus(result.get());
+    if (status == PGRES_TUPLES_OK) return PQntuples(result.get());
+    if (status != PGRES_COMMAND_OK) fail("the database refused the request");
+    return std::strtoll(PQcmdTuples(result.get()), nullptr, 10);
+  }
+
+  /// Sends text lines to `statement`, a COPY ... FROM STDIN.
+  void begin_copy(const char* statement) {
+    const Result result(PQexec(connection_.get(), statement));
+    if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refused the request");
+  }
+  void copy(std::string_view lines) {
+    if (PQputCopyData(connection_.get(), lines.data(), static_cast<int>(lines.size())) != 1) {
+      fail("the connection was lost");
+    }
+  }
+  void end_copy() {
+    if (PQputCopyEnd(connection_.get(), nullptr) != 1) fail("the connection was lost");
+    bool is_good = true;
+    while (Result result{PQgetResult(connection_.get())}) {
+      is_good = is_good && PQresultStatus(result.get()) == PGRES_COMMAND_OK;
+    }
+    if (!is_good) fail("the database refused the request");
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) const {
+    throw std::runtime_error(std::string(what) + ": " +
+                             first_line(PQerrorMessage(connection_.get())) +
+                             "; nothing was published");
+  }
+
+  struct Closer {
+    void operator()(pg_conn* connection) const { PQfinish(connection); }
+  };
+  std::unique_ptr<pg_conn, Closer> connection_;
+};
+
+/// Adds a default style (colours, labels) to each published table that has none, as in a map's
+/// GeoPackage. QGIS reads styles from `public.layer_styles`; without the right to write there, the
+/// tables are published without a style.
+void style_for_qgis(PostgresConnection& connection) {
+  connection.run((kBegin + qml_text(landmark_style(kLabel)) + kEnd).c_str());
+}
 
 constexpr std::size_t kLinesAtOnce = 1000;
 

@@ -3,30 +3,23 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
+#include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
 
 std::vector<std::uint8_t> read_picture_bytes(const std::string& path) {
-  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{16} << 20;
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
-  if (size == 0 || size > kMaxBytes) {
-    throw FileError(path + ": " + std::to_string(size) +
-                    " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
-  }
-  std::vector<std::uint8_t> data(static_cast<std::size_t>(size));
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": could not be read completely");
-  return data;
+  constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+  const std::string bytes = read_file(path, kMaxBytes, "remove or replace this picture");
+  if (bytes.empty()) throw FileError(path + ": 0 bytes; remove or replace it");
+  return {bytes.begin(), bytes.end()};
 }
 
 vision::Image read_jpeg_file(const std::string& path) {
@@ -48,6 +41,33 @@ std::optional<vision::Image> jpeg_image(const std::uint8_t* data, std::size_t si
   if (!is_jpeg || image.width_px <= 0 || image.height_px <= 0) return std::nullopt;
   image.data.assign(data, data + size);
   return image;
+}
+
+std::vector<TimedJpeg> list_jpegs(const std::string& folder, OtherFiles others) {
+  std::error_code error;
+  std::vector<TimedJpeg> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const bool is_jpeg = entry.path().extension() == ".jpg";
+    if (!is_jpeg && others == OtherFiles::kSkip) continue;
+    TimedJpeg file;
+    file.path = entry.path().string();
+    const std::string stem = entry.path().stem().string();
+    const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), file.utime);
+    if (!is_jpeg || result.ec != std::errc() || file.utime < 0 ||
+        result.ptr != stem.data() + stem.size()) {
+      throw FileError(file.path +
+                      ": the name of a picture must be <utime_us>.jpg; rename or remove it");
+    }
+    files.push_back(std::move(file));
+  }
+  std::sort(files.begin(), files.end(),
+            [](const TimedJpeg& a, const TimedJpeg& b) { return a.utime < b.utime; });
+  const auto other =
+      std::adjacent_find(files.begin(), files.end(),
+                         [](const TimedJpeg& a, const TimedJpeg& b) { return a.utime == b.utime; });
+  if (other != files.end())
+    throw FileError(other->path + ": another picture has the same time; remove one");
+  return files;
 }
 
 }  // namespace orchard::io

@@ -22,4 +22,15 @@ vision::Image read_jpeg_file(const std::string& path);
 /// the bytes are not a JPEG.
 std::optional<vision::Image> jpeg_image(const std::uint8_t* data, std::size_t size);
 
+/// A picture that is named after its time.
+struct TimedJpeg {
+  std::int64_t utime = 0;
+  std::string path;
+};
+enum class OtherFiles { kRefuse, kSkip };
+
+/// Lists FOLDER/<utime_us>.jpg in order of time; empty if there is no such folder. Throws FileError
+/// for a JPEG of another name, for two of one time, and for other files unless they are skipped.
+std::vector<TimedJpeg> list_jpegs(const std::string& folder, OtherFiles others);
+
 }  // namespace orchard::io

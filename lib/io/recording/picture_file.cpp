@@ -2,68 +2,219 @@
 #include "io/recording/picture_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "io/file_error.hpp"
 #include "io/recording/jpeg_file.hpp"
+#include "vision/decode.hpp"
 
 namespace orchard::io {
 namespace {
 
-constexpr std::uint32_t kMaxSide_px = 8192;
-constexpr std::array<std::uint8_t, 8> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-constexpr std::size_t kPngHeaderBytes = 24;  // up to the height
+namespace fs = std::filesystem;
 
-std::uint32_t big_endian(const std::uint8_t* bytes) {
-  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 |
-         std::uint32_t{bytes[2]} << 8 | bytes[3];
+constexpr int kMaxSide_px = 8192;
+
+bool is_png(const std::uint8_t* data, std::size_t size) {
+  constexpr std::uint8_t kStart[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  return size > 24 && std::memcmp(data, kStart, sizeof(kStart)) == 0;
 }
 
-vision::Image decode_png(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  // check the size before allocating
-  const std::uint32_t width_px = big_endian(&bytes[16]), height_px = big_endian(&bytes[20]);
-  if (width_px == 0 || height_px == 0 || width_px > kMaxSide_px || height_px > kMaxSide_px) {
-    throw FileError(path + ": its PNG header states " + std::to_string(width_px) + " x " +
-                    std::to_string(height_px) +
-                    " pixels, but only 1 to 8192 per side are supported");
+constexpr int kMinRed = 64;  // darker pixels are background
+
+using Range = std::pair<long, long>;  // first and last number
+
+std::optional<long> number_of(std::string_view text) {
+  long number = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool good = result.ec == std::errc() && result.ptr == text.data() + text.size();
+  return good && number >= 0 ? std::optional(number) : std::nullopt;
+}
+
+std::vector<Range> ranges_of(const std::string& only) {
+  std::vector<Range> ranges;
+  for (std::size_t begin = 0; begin <= only.size();) {
+    const std::size_t end = std::min(only.find(',', begin), only.size());
+    const std::string_view part = std::string_view(only).substr(begin, end - begin);
+    const std::size_t dash = part.find('-');
+    const auto first = number_of(part.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : number_of(part.substr(dash + 1));
+    if (!first || !last || *last < *first) {
+      throw FileError("--only " + only + ": must be picture numbers such as 000-019 or 0-19,30");
+    }
+    ranges.emplace_back(*first, *last);
+    begin = end + 1;
   }
-  cv::Mat grey;
-  try {
-    grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
+  return ranges;
+}
+
+bool is_in(const std::string& name, const std::vector<Range>& ranges) {
+  const auto number = number_of(name);
+  return number && std::any_of(ranges.begin(), ranges.end(), [&number](const Range& range) {
+           return *number >= range.first && *number <= range.second;
+         });
+}
+
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+/// Images in a folder: name without extension -> path.
+std::map<std::string, std::string> pictures_in(const std::string& folder) {
+  std::map<std::string, std::string> pictures;
+  std::error_code error;
+  for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    if (!has_picture_name(i->path().string())) continue;
+    const auto [entry, is_new] = pictures.emplace(i->path().stem().string(), i->path().string());
+    if (!is_new) entry->second = std::min(entry->second, i->path().string());
   }
-  if (grey.empty()) throw FileError(path + ": is a damaged PNG picture; remove or replace it");
-  vision::Image image;
-  image.width_px = grey.cols;
-  image.height_px = grey.rows;
-  image.encoding = vision::Encoding::kGray8;
-  for (int row = 0; row < grey.rows; ++row) {
-    image.data.insert(image.data.end(), grey.ptr(row), grey.ptr(row) + grey.cols);
+  if (error) throw FileError(folder + ": cannot be read (" + error.message() + ")");
+  if (pictures.empty()) {
+    throw FileError(folder +
+                    ": has no picture (.jpg, .jpeg or .png); give the folder of the pictures");
   }
-  return image;
+  return pictures;
+}
+
+[[noreturn]] void refuse_as_unreadable(const std::string& path) {
+  throw FileError(path + ": is not a complete picture; remove or replace it");
+}
+
+/// Reads a JPEG with our decoder, which rejects truncated files; OpenCV returns a partial image.
+vision::PixelBlock read_jpeg(const std::string& path) {
+  const vision::Image image = read_jpeg_file(path);
+  if (image.width_px > kMaxSide_px || image.height_px > kMaxSide_px) refuse_as_unreadable(path);
+  auto pixels = vision::decode(image, {0, 0, image.width_px, image.height_px});
+  if (!pixels) refuse_as_unreadable(path);
+  return std::move(*pixels);
+}
+
+vision::PixelBlock read_png(const std::string& path) {
+  const std::vector<std::uint8_t> bytes = read_picture_bytes(path);
+  auto image = png_image(bytes.data(), bytes.size(), PngColours::kBgr);
+  if (!image) refuse_as_unreadable(path);
+  return {{0, 0, image->width_px, image->height_px}, std::move(image->data)};
+}
+
+vision::PixelBlock read_picture(const std::string& path) {
+  return ending_of(path) == ".png" ? read_png(path) : read_jpeg(path);
+}
+
+std::string size_text(const vision::PixelRect& area) {
+  return std::to_string(area.width_px) + " x " + std::to_string(area.height_px);
 }
 
 }  // namespace
 
+std::optional<vision::Image> png_image(const std::uint8_t* data, std::size_t size,
+                                       PngColours colours) {
+  if (!is_png(data, size)) return std::nullopt;
+  const auto number = [data](std::size_t i) {
+    return std::uint32_t{data[i]} << 24 | std::uint32_t{data[i + 1]} << 16 |
+           std::uint32_t{data[i + 2]} << 8 | std::uint32_t{data[i + 3]};
+  };
+  for (const std::uint32_t side_px : {number(16), number(20)}) {
+    if (side_px == 0 || side_px > kMaxSide_px) return std::nullopt;
+  }
+  constexpr std::size_t kBitsAt = 24;  // physical: PNG specification, 11.2.2
+  if (colours == PngColours::kAsTheyAre && data[kBitsAt] > 8) return std::nullopt;
+  const int mode = colours == PngColours::kGrey  ? cv::IMREAD_GRAYSCALE
+                   : colours == PngColours::kBgr ? cv::IMREAD_COLOR
+                                                 : cv::IMREAD_ANYCOLOR;
+  const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1,
+                      const_cast<std::uint8_t*>(data));  // OpenCV has no const matrix
+  cv::Mat pixels;
+  try {
+    pixels = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+  }
+  if (pixels.empty()) return std::nullopt;
+  vision::Image image;
+  image.width_px = pixels.cols;
+  image.height_px = pixels.rows;
+  image.encoding = pixels.channels() == 1 ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
+  image.data.assign(pixels.datastart, pixels.dataend);
+  return image;
+}
+
 vision::Image read_picture_file(const std::string& path) {
   const std::vector<std::uint8_t> bytes = read_picture_bytes(path);
-  if (bytes.size() > kPngHeaderBytes) {
-    if (std::equal(kPngStart.begin(), kPngStart.end(), bytes.begin()))
-      return decode_png(path, bytes);
-    if (bytes[0] == 0xff && bytes[1] == 0xd8) return read_jpeg_file(path);
+  if (is_png(bytes.data(), bytes.size())) {
+    if (auto image = png_image(bytes.data(), bytes.size(), PngColours::kGrey)) return *image;
+    throw FileError(path +
+                    ": is a damaged PNG picture, or has more than 8192 pixels per side; remove or "
+                    "replace it");
   }
+  if (auto image = jpeg_image(bytes.data(), bytes.size())) return *image;
   throw FileError(path + ": is neither a JPEG nor a PNG picture; remove or convert it");
 }
 
 bool has_picture_name(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = ending_of(path);
   return ending == ".jpg" || ending == ".jpeg" || ending == ".png";
+}
+
+MaskedPictureList list_masked_pictures(const std::string& picture_folder,
+                                       const std::string& mask_folder, const std::string& only) {
+  const std::vector<Range> ranges = only.empty() ? std::vector<Range>{} : ranges_of(only);
+  const auto pictures = pictures_in(picture_folder);
+  const auto masks = pictures_in(mask_folder);
+  MaskedPictureList list;
+  for (const auto& [name, path] : pictures) {
+    if (!only.empty() && !is_in(name, ranges)) continue;
+    const auto mask = masks.find(name);
+    if (mask == masks.end()) {
+      list.without_mask.push_back(name);
+    } else {
+      list.pictures.push_back({name, path, mask->second});
+    }
+  }
+  if (list.pictures.empty() && list.without_mask.empty()) {
+    throw FileError("--only " + only + ": no picture of " + picture_folder +
+                    " has such a number; the numbers go from " + pictures.begin()->first + " to " +
+                    pictures.rbegin()->first);
+  }
+  if (list.pictures.empty()) {
+    throw FileError(mask_folder + ": has no mask with the name of a picture, such as " +
+                    list.without_mask.front() + "; give the folder of the masks");
+  }
+  return list;
+}
+
+MaskedPicture read_masked_picture(const MaskedPicturePaths& paths) {
+  MaskedPicture result;
+  result.pixels = read_picture(paths.picture);
+  const vision::PixelBlock mask = read_picture(paths.mask);
+  const vision::PixelRect &size = result.pixels.area, &mask_size = mask.area;
+  if (size.width_px != mask_size.width_px || size.height_px != mask_size.height_px) {
+    throw FileError(paths.mask + ": is " + size_text(mask_size) + " pixels, but its picture " +
+                    size_text(size) + "; a mask must have the size of its picture");
+  }
+  result.mask.width_px = size.width_px;
+  result.mask.height_px = size.height_px;
+  result.mask.trunk.reserve(mask.bgr.size() / 3);
+  for (std::size_t i = 0; i + 2 < mask.bgr.size(); i += 3) {
+    const int blue = mask.bgr[i], green = mask.bgr[i + 1], red = mask.bgr[i + 2];
+    const bool is_trunk = red >= kMinRed && red >= 2 * green && red >= 2 * blue;
+    result.mask.trunk.push_back(is_trunk ? 1 : 0);
+  }
+  if (std::count(result.mask.trunk.begin(), result.mask.trunk.end(), 1) == 0) {
+    throw FileError(paths.mask + ": has no red pixel, so no trunk is marked");
+  }
+  return result;
 }
 
 }  // namespace orchard::io

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/recording/sensor_message.hpp"
+#include "io/recording/recording_folder.hpp"
 
 namespace orchard::io {
 

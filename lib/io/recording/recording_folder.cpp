@@ -3,27 +3,68 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
+#include <string>
 #include <utility>
 
+#include "geometry/angles.hpp"
+#include "io/atomic_file.hpp"
+#include "io/config/config_file.hpp"
+#include "io/config/config_yaml.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/jpeg_file.hpp"
-#include "io/recording/recording_sensors.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
+
+constexpr double kTurn_rad = 2.0 * geometry::kPi + 1e-6;
+
+/// Keys of the section `mount`; all or none.
+static void describe(ConfigVisitor& v, SensorMount& m) {
+  v.number("x_m", m.x_m, -100.0, 100.0, "m", "");
+  v.number("y_m", m.y_m, -100.0, 100.0, "m", "");
+  v.number("yaw_rad", m.yaw_rad, -kTurn_rad, kTurn_rad, "rad", "");
+  const int num_given = !std::isnan(m.x_m) + !std::isnan(m.y_m) + !std::isnan(m.yaw_rad);
+  v.check(num_given == 0 || num_given == 3, "x_m", "must be given with y_m and yaw_rad");
+}
+
+static void describe(ConfigVisitor& v, LaserDescription& l) {
+  v.integer("num_beams", l.num_beams, 1, 100000, "", "");
+  v.number("bearing_min_rad", l.bearing_min_rad, -kTurn_rad, kTurn_rad, "rad", "");
+  v.number("bearing_step_rad", l.bearing_step_rad, -1.0, 1.0, "rad", "");
+  v.number("range_min_m", l.range_min_m, 0.0, kMaxRange_m, "m", "");
+  v.number("range_max_m", l.range_max_m, 0.0, kMaxRange_m, "m", "");
+  v.number("beam_period_us", l.beam_period_us, 0.0, 1e6, "us", "");
+  v.section("mount", l.mount, "");
+  v.check(l.num_beams > 0, "num_beams", "is missing; add it");
+  v.check(!std::isnan(l.bearing_min_rad), "bearing_min_rad", "is missing; add it");
+  v.check(!std::isnan(l.bearing_step_rad), "bearing_step_rad", "is missing; add it");
+  v.check(!std::isnan(l.range_min_m), "range_min_m", "is missing; add it");
+  v.check(!std::isnan(l.range_max_m), "range_max_m", "is missing; add it");
+  v.check(l.bearing_step_rad != 0.0, "bearing_step_rad", "must not be 0");
+  v.check(!(l.range_max_m <= l.range_min_m), "range_max_m", "must be above range_min_m");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 using Source = std::function<std::optional<SensorMessage>()>;
 
-struct ImageFile {
-  std::int64_t utime = 0;
-  std::string path;
-};
+constexpr double kMaxIntensity = 1e9;
+
+/// The header must be utime_us followed by one column per beam.
+void expect_beams(const CsvReader& csv, const LaserDescription& laser) {
+  if (csv.columns().front() != "utime_us") {
+    csv.fail_at_column(1, "the first line must be utime_us, followed by a column per beam");
+  }
+  const auto num_columns = static_cast<std::int64_t>(csv.columns().size());
+  if (num_columns == laser.num_beams + 1) return;
+  csv.fail_at_column(1, std::to_string(num_columns - 1) +
+                            " columns after utime_us, but sensors.yaml says laser.num_beams: " +
+                            std::to_string(laser.num_beams) + "; correct the one that is wrong");
+}
 
 /// Opens the table of that name, plain or compressed; none if neither exists.
 std::optional<CsvReader> open_table(const fs::path& folder, const std::string& name) {
@@ -39,51 +80,15 @@ std::optional<CsvReader> open_table(const fs::path& folder, const std::string& n
   return std::nullopt;
 }
 
-std::string read_text(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw FileError(
-        path.string() +
-        ": cannot be read; a recording folder needs this file with the laser's parameters");
-  }
-  return text.str();
-}
-
-std::vector<ImageFile> list_images(const fs::path& folder) {
-  std::vector<ImageFile> files;
-  if (!fs::is_directory(folder)) return files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string stem = entry.path().stem().string();
-    ImageFile file;
-    file.path = entry.path().string();
-    const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), file.utime);
-    if (entry.path().extension() != ".jpg" || result.ec != std::errc() || file.utime < 0 ||
-        result.ptr != stem.data() + stem.size()) {
-      throw FileError(file.path +
-                      ": the name of a picture must be <utime_us>.jpg; rename or remove it");
-    }
-    files.push_back(std::move(file));
-  }
-  std::sort(files.begin(), files.end(),
-            [](const ImageFile& a, const ImageFile& b) { return a.utime < b.utime; });
-  const auto other =
-      std::adjacent_find(files.begin(), files.end(),
-                         [](const ImageFile& a, const ImageFile& b) { return a.utime == b.utime; });
-  if (other != files.end())
-    throw FileError(other->path + ": another picture has the same time; remove one");
-  return files;
-}
-
 template <class Table>
-Source table_source(std::shared_ptr<Table> table) {
-  return [table]() -> std::optional<SensorMessage> {
+Source table_source(Table given) {
+  return [table = std::make_shared<Table>(std::move(given))]() -> std::optional<SensorMessage> {
     if (auto message = table->next()) return SensorMessage(std::move(*message));
     return std::nullopt;
   };
 }
 
-Source image_source(std::vector<ImageFile> files) {
+Source image_source(std::vector<TimedJpeg> files) {
   return [files = std::move(files), i = std::size_t{0}]() mutable -> std::optional<SensorMessage> {
     if (i == files.size()) return std::nullopt;
     vision::Image image = read_jpeg_file(files[i].path);
@@ -93,7 +98,98 @@ Source image_source(std::vector<ImageFile> files) {
   };
 }
 
+/// Reads a recording folder's sensors.yaml (section laser: num_beams, bearing_min_rad,
+/// bearing_step_rad, range_min_m, range_max_m, and if known beam_period_us and mount). Throws
+/// FileError naming file, line and key of each error, including unknown keys.
+LaserDescription read_sensors(const std::string& path) {
+  constexpr std::size_t kBytesMax = std::size_t{1} << 20;
+  LaserDescription laser;
+  laser.bearing_min_rad = laser.bearing_step_rad = laser.range_min_m = laser.range_max_m = NAN;
+  laser.mount = {NAN, NAN, NAN};
+  const std::string text =
+      read_file(path, kBytesMax, "a recording folder needs this file with the laser's parameters");
+  try {
+    read_yaml(text, path, [&](ConfigVisitor& v) { v.section("laser", laser, ""); });
+  } catch (const ConfigError& error) {
+    throw FileError(error.what());
+  }
+  if (std::isnan(laser.mount.x_m)) laser.mount = {};
+  return laser;
+}
+
 }  // namespace
+
+void sort_and_number(std::vector<SensorMessage>& messages) {
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const SensorMessage& a, const SensorMessage& b) {
+                     const std::int64_t time_a = utime_of(a), time_b = utime_of(b);
+                     return time_a != time_b ? time_a < time_b : a.index() < b.index();
+                   });
+  std::array<std::int32_t, std::variant_size_v<SensorMessage>> next_seq{};
+  for (SensorMessage& message : messages) {
+    const std::int32_t seq = next_seq[message.index()]++;
+    std::visit([seq](auto& m) { m.seq = seq; }, message);
+  }
+}
+
+ScanCsv::ScanCsv(CsvReader ranges, const LaserDescription& laser,
+                 std::optional<CsvReader> intensities)
+    : csv_(std::move(ranges)), laser_(laser), intensities_(std::move(intensities)) {
+  expect_beams(csv_, laser_);
+  if (intensities_) expect_beams(*intensities_, laser_);
+}
+
+std::optional<laser::Scan> ScanCsv::next() {
+  if (!csv_.next()) {
+    if (intensities_ && intensities_->next()) {
+      intensities_->fail(0, "has more lines than the file of scans");
+    }
+    return std::nullopt;
+  }
+  laser::Scan scan;
+  scan.utime = utime_ = csv_.later_utime(0, utime_);
+  scan.seq = ++seq_;
+  scan.bearing_min_rad = laser_.bearing_min_rad;
+  scan.bearing_step_rad = laser_.bearing_step_rad;
+  scan.beam_period_us = laser_.beam_period_us;
+  scan.range_min_m = laser_.range_min_m;
+  scan.range_max_m = laser_.range_max_m;
+  scan.ranges_m.reserve(csv_.num_fields() - 1);
+  for (std::size_t i = 1; i < csv_.num_fields(); ++i) {
+    scan.ranges_m.push_back(static_cast<float>(csv_.number_in(i, 0.0, kMaxRange_m)));
+  }
+  if (intensities_) read_intensities(scan);
+  return scan;
+}
+
+void ScanCsv::read_intensities(laser::Scan& scan) {
+  if (!intensities_->next()) {
+    csv_.fail(0, "the file of intensities has no line for this scan");
+  }
+  if (intensities_->integer(0) != scan.utime) {
+    intensities_->fail(0, "must be the scan's " + std::to_string(scan.utime));
+  }
+  for (std::size_t i = 1; i < intensities_->num_fields(); ++i) {
+    scan.intensities.push_back(static_cast<float>(intensities_->number_in(i, 0.0, kMaxIntensity)));
+  }
+}
+
+TimedCsv<pose::Odometry> odometry_csv(CsvReader csv) {
+  return {std::move(csv),
+          {{"v_mps", &pose::Odometry::speed_mps, -100.0, 100.0},
+           {"yaw_rate_radps", &pose::Odometry::yaw_rate_radps, -100.0, 100.0}}};
+}
+
+TimedCsv<pose::Gnss> gnss_csv(CsvReader csv) {
+  return {std::move(csv),
+          {{"latitude_deg", &pose::Gnss::latitude_deg, -90.0, 90.0},
+           {"longitude_deg", &pose::Gnss::longitude_deg, -180.0, 180.0},
+           {"altitude_m", &pose::Gnss::altitude_m, -1e4, 1e5}}};
+}
+
+TimedCsv<pose::PoseFix> pose_fix_csv(CsvReader csv) {
+  return {std::move(csv), pose_columns<pose::PoseFix>()};
+}
 
 struct RecordingFolder::Impl {
   LaserDescription laser;
@@ -106,21 +202,21 @@ RecordingFolder::RecordingFolder(const std::string& path) : impl_(std::make_uniq
   if (!fs::is_directory(folder)) {
     throw FileError(path + " is not a folder; give a recording folder with sensors.yaml");
   }
-  const fs::path sensors = folder / "sensors.yaml";
-  impl_->laser = parse_sensors_yaml(read_text(sensors), sensors.string());
+  impl_->laser = read_sensors((folder / "sensors.yaml").string());
   auto scans = open_table(folder, "scans");
   if (!scans) throw FileError(path + " has neither scans.csv nor scans.csv.gz; add one");
-  impl_->sources.push_back(table_source(std::make_shared<ScanCsv>(
-      std::move(*scans), impl_->laser, open_table(folder, "intensities"))));
-  impl_->sources.push_back(image_source(list_images(folder / "images")));
+  impl_->sources.push_back(
+      table_source(ScanCsv(std::move(*scans), impl_->laser, open_table(folder, "intensities"))));
+  impl_->sources.push_back(
+      image_source(list_jpegs((folder / "images").string(), OtherFiles::kRefuse)));
   if (auto csv = open_table(folder, "odometry")) {
-    impl_->sources.push_back(table_source(std::make_shared<OdometryCsv>(std::move(*csv))));
+    impl_->sources.push_back(table_source(odometry_csv(std::move(*csv))));
   }
   if (auto csv = open_table(folder, "gnss")) {
-    impl_->sources.push_back(table_source(std::make_shared<GnssCsv>(std::move(*csv))));
+    impl_->sources.push_back(table_source(gnss_csv(std::move(*csv))));
   }
   if (auto csv = open_table(folder, "poses")) {
-    impl_->sources.push_back(table_source(std::make_shared<PoseFixCsv>(std::move(*csv))));
+    impl_->sources.push_back(table_source(pose_fix_csv(std::move(*csv))));
   }
   for (Source& source : impl_->sources) impl_->heads.push_back(source());
 }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/recording/truth_csv.hpp"
 
+#include <algorithm>
+#include <optional>
+
+#include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
-#include "io/map/trajectory_csv.hpp"
+#include "io/map/map_csv.hpp"
 #include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
 
@@ -38,6 +42,37 @@ std::vector<TruthObject> read_truth(CsvReader csv) {
   return truth;
 }
 
+std::optional<std::size_t> find_column(const CsvReader& csv, const char* name) {
+  const auto& columns = csv.columns();
+  const auto found = std::find(columns.begin(), columns.end(), name);
+  if (found == columns.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+evaluation::Track read_track(CsvReader csv, const std::string& name) {
+  const auto utime = find_column(csv, "utime_us");
+  const auto x = find_column(csv, "x_m"), y = find_column(csv, "y_m");
+  const auto yaw = find_column(csv, "yaw_rad");
+  if (!utime || !x || !y) {
+    throw FileError(name +
+                    ":1: a track needs the columns utime_us, x_m and y_m (optionally yaw_rad), "
+                    "like trajectory.csv and poses.csv");
+  }
+  evaluation::Track track;
+  track.has_yaw = yaw.has_value();
+  while (csv.next()) {
+    evaluation::TrackPose pose;
+    pose.utime = csv.later_utime(*utime, track.poses.empty() ? -1 : track.poses.back().utime);
+    pose.x_m = csv.number_in(*x, -kMaxCoordinate_m, kMaxCoordinate_m);
+    pose.y_m = csv.number_in(*y, -kMaxCoordinate_m, kMaxCoordinate_m);
+    if (yaw)
+      pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYaw_rad, kMaxYaw_rad));
+    track.poses.push_back(pose);
+  }
+  if (track.poses.empty()) throw FileError(name + ": has no poses");
+  return track;
+}
+
 }  // namespace
 
 std::vector<TruthObject> read_truth_csv(const std::string& path) {
@@ -69,6 +104,10 @@ void write_poses_csv(const std::string& path, const std::vector<simulation::True
     trajectory[i].yaw_rad = poses[i].yaw_rad;
   }
   write_trajectory_csv(path, trajectory);
+}
+
+evaluation::Track read_track_csv(const std::string& path) {
+  return read_track(CsvReader::open(path), path);
 }
 
 }  // namespace orchard::io

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 #include "simulation/scene/world.hpp"
 
 namespace orchard::io {
@@ -22,5 +23,11 @@ void write_truth_csv(const std::string& path, const std::vector<simulation::Trut
 
 /// Writes true poses of base in map as `utime_us,x_m,y_m,yaw_rad`, atomically. Throws FileError.
 void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses);
+
+/// Reads positions over time: columns utime_us, x_m, y_m and optionally yaw_rad, in any order;
+/// others are ignored. trajectory.csv and a recording's poses.csv have this form. Yaw is wrapped
+/// into (-pi, pi]. Throws FileError naming file, line and column, also when time does not increase
+/// and for a file without poses.
+evaluation::Track read_track_csv(const std::string& path);
 
 }  // namespace orchard::io

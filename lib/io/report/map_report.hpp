@@ -10,7 +10,6 @@
 #include "io/map/stored_map.hpp"
 #include "io/report/document.hpp"
 #include "io/report/report_texts.hpp"
-#include "io/report/summary_facts.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "mapping/inventory/inventory.hpp"
 

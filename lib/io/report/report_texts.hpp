@@ -1,102 +1,153 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 
 namespace orchard::io {
 
-/// All texts of a grower's report in one language. {} are placeholders.
+/// All texts of a grower's report in one language; {} are placeholders. A new language is one more
+/// argument of of().
 struct ReportTexts {
-  const char* language;  ///< language code of HTML
-  char decimal_point;    ///< in texts; files have a point in every language
-  const char* title;     ///< {}: the map
-  const char* subtitle;  ///< {}: the day, {}: the program's version
-  const char* unknown_day;
+  explicit ReportTexts(int language_number) : number(language_number) {}
+
+  const char* of(const char* en, const char* es) const { return number == 0 ? en : es; }
+
+  int number;  ///< 0 English, 1 Spanish
+  const char* language = of("en", "es");
+  /// in texts; files have a point in every language
+  char decimal_point = *of(".", ",");
+  /// {}: the map
+  const char* title = of("Orchard report: {}", "Informe del huerto: {}");
+  /// {}: the day, {}: the program's version
+  const char* subtitle =
+      of("Driven on {}. Orchard Mapper {}.", "Recorrido el {}. Orchard Mapper {}.");
+  const char* unknown_day = of("an unknown day", "día desconocido");
   // What was counted.
-  const char* counts;
-  const char* trees;         ///< {} trees in {} rows
-  const char* trees_no_row;  ///< {} of them in no row
-  const char* gaps;          ///< {} empty places
-  const char* objects;       ///< {} other things
-  const char* area;          ///< {} cm2 in all, {} per tree
-  const char* area_note;
+  const char* counts = of("Contents of the block", "Qué hay en la parcela");
+  const char* trees = of("{} trees in {} rows.", "{} árboles en {} filas.");
+  const char* trees_no_row =
+      of("{} more trees are outside the rows.", "{} árboles más están fuera de las filas.");
+  const char* gaps = of("{} empty places between the trees of the rows.",
+                        "{} marras (puestos vacíos) entre los árboles de las filas.");
+  const char* objects =
+      of("{} other objects, such as posts and crates.", "{} objetos más, como postes y cajas.");
+  const char* area =
+      of("Trunk cross-sectional area: {} cm² in all, {} cm² per tree on average.",
+         "Área de la sección transversal del tronco: {} cm² en total, {} cm² por árbol de media.");
+  const char* area_note =
+      of("Trunk cross-sectional area (TCSA) is the area of a cut through the trunk at the height "
+         "of the scanner. It grows with the tree and is used to compare yield and vigour.",
+         "El área de la sección transversal del tronco (ASTT) es la del corte que haría una sierra "
+         "a través del tronco a la altura del escáner. Crece con el árbol, y con ella se comparan "
+         "la cosecha y el vigor.");
   // The block's picture.
-  const char* picture;
-  const char* legend_tree;
-  const char* legend_gap;
-  const char* legend_object;
-  const char* row_short;  ///< prefix of a row's number
+  const char* picture = of("The block", "La parcela");
+  const char* legend_tree = of("tree", "árbol");
+  const char* legend_gap = of("empty place", "marra");
+  const char* legend_object = of("other object", "otro objeto");
+  const char* row_short = of("R", "F");
   // Rows.
-  const char* rows;
-  const char* column_row;
-  const char* column_trees;
-  const char* column_gaps;
-  const char* column_gap_positions;
-  const char* column_diameter;
-  const char* column_area;
-  const char* column_area_error;
-  const char* no_row;
-  const char* total;
+  const char* rows = of("Row by row", "Fila por fila");
+  const char* column_row = of("row", "fila");
+  const char* column_trees = of("trees", "árboles");
+  const char* column_gaps = of("empty", "marras");
+  const char* column_gap_positions =
+      of("empty places (number in the row)", "marras (número en la fila)");
+  const char* column_diameter = of("diameter, cm", "diámetro, cm");
+  const char* column_area = of("TCSA, cm²", "ASTT, cm²");
+  const char* column_area_error = of("± cm²", "± cm²");
+  const char* no_row = of("no row", "sin fila");
+  const char* total = of("all", "total");
   // Diameters.
-  const char* diameters;
-  const char* diameter_axis;
-  const char* trees_axis;
-  const char* diameters_none;
+  const char* diameters = of("Trunk diameters", "Diámetro de los troncos");
+  const char* diameter_axis = of("trunk diameter (cm)", "diámetro del tronco (cm)");
+  const char* trees_axis = of("trees", "árboles");
+  const char* diameters_none =
+      of("No trunk diameter is known.", "No se conoce el diámetro de ningún tronco.");
   // Gaps.
-  const char* gap_places;
-  const char* gap_none;
-  const char* column_place;
-  const char* column_position;  ///< number along the row
-  const char* column_geodetic;
-  const char* gap_note;
+  const char* gap_places = of("Empty places", "Marras");
+  const char* gap_none = of("No place is empty.", "No hay ninguna marra.");
+  const char* column_place = of("x; y (m)", "x; y (m)");
+  /// number along the row
+  const char* column_position = of("number", "número");
+  const char* column_geodetic = of("latitude, longitude", "latitud, longitud");
+  const char* gap_note =
+      of("An empty place is a gap between two neighbours in a row that is wide enough for a tree.",
+         "Una marra es un puesto vacío: entre dos árboles vecinos queda sitio para otros.");
   // Changes.
-  const char* changes;
-  const char* changes_since;  ///< {}: the earlier map, {}: its day
-  const char* column_change;
-  const char* column_count;
-  const char* missing;
-  const char* new_trees;
-  const char* moved;
-  const char* grown;
-  const char* thinner;
-  const char* unchanged;
-  const char* not_compared;
-  const char* growth;
-  const char* growth_all;  ///< {} mm +- {} mm in diameter; {} cm2 in {} trees of both
-  const char* column_growth;
-  const char* column_growth_percent;
-  const char* column_pairs;
+  const char* changes = of("What has changed", "Qué ha cambiado");
+  /// {}: the earlier map, {}: its day
+  const char* changes_since = of("Compared with {} of {}.", "Comparado con {} del {}.");
+  const char* column_change = of("change", "cambio");
+  const char* column_count = of("trees", "árboles");
+  const char* missing = of("gone", "ya no están");
+  const char* new_trees = of("new", "nuevos");
+  const char* moved = of("moved", "en otro sitio");
+  const char* grown = of("thicker", "más gruesos");
+  const char* thinner = of("thinner, or another tree", "más delgados, u otro árbol");
+  const char* unchanged = of("as before", "como antes");
+  const char* not_compared =
+      of("unknown: not observed by both drives", "no se sabe: no los vieron los dos recorridos");
+  const char* growth = of("Growth", "Crecimiento");
+  const char* growth_all =
+      of("Diameters have changed by {} mm ± {} mm on average. The cross-sectional area of the {} "
+         "trees measured both times has changed by {} cm².",
+         "Los diámetros han cambiado {} mm ± {} mm de media. El área de la sección de los {} "
+         "árboles medidos las dos veces ha cambiado {} cm².");
+  const char* column_growth = of("growth, cm²", "crecimiento, cm²");
+  const char* column_growth_percent = of("growth, %", "crecimiento, %");
+  const char* column_pairs = of("measured twice", "medidos dos veces");
   // The grower's plan.
-  const char* plan;
-  const char* plan_of;          ///< {}: the plan's file
-  const char* plan_column_row;  ///< row name in the plan
-  const char* as_planned;
-  const char* out_of_place;
-  const char* plan_missing;
-  const char* plan_not_seen;
-  const char* extra;
-  const char* shifted;  ///< for a row that stands elsewhere than planned as a whole
+  const char* plan = of("Against the plan", "Frente al plano");
+  const char* plan_of = of("The plan is {}.", "El plano es {}.");
+  const char* plan_column_row = of("row of the plan", "fila del plano");
+  const char* as_planned = of("as planned", "según plano");
+  const char* out_of_place = of("out of place", "fuera de sitio");
+  const char* plan_missing = of("missing", "faltan");
+  const char* plan_not_seen = of("not seen", "no vistos");
+  const char* extra = of("extra", "de más");
+  const char* shifted = of("shifted as a whole", "fila desplazada entera");
   // What was not seen.
-  const char* not_seen;
-  const char* unseen;  ///< {} things never in the camera's view
-  const char* all_seen;
-  const char* without_pictures;  ///< {} s without pictures, {} things first seen then
-  const char* without_fixes;     ///< {} s without satellites
-  const char* changes_not_seen;  ///< {} trees of the earlier map were out of view this time
-  const char* warnings;
+  const char* not_seen = of("What was not observed, and why", "Qué no se vio, y por qué");
+  const char* unseen =
+      of("{} objects were never in the view of the camera: it is not known whether they are trees, "
+         "and they are not counted.",
+         "{} objetos no estuvieron nunca a la vista de la cámara: no se sabe si son árboles, y no "
+         "se cuentan.");
+  const char* all_seen = of("Everything in the map was in the view of the camera.",
+                            "Todo lo que está en el mapa estuvo a la vista de la cámara.");
+  const char* without_pictures =
+      of("For {} s there were no pictures; {} objects were first observed in that time.",
+         "Durante {} s no hubo imágenes; {} objetos se encontraron entonces por primera vez.");
+  const char* without_fixes = of("For {} s there was no satellite position.",
+                                 "Durante {} s no hubo posición por satélite.");
+  const char* changes_not_seen =
+      of("{} trees of the earlier map were out of view in this drive.",
+         "{} árboles del mapa anterior no estuvieron esta vez a la vista.");
+  const char* warnings = of("Warnings of the program while mapping (in English): {}",
+                            "Mientras se hacía el mapa, el programa avisó (en inglés): {}");
   // How sure.
-  const char* how_sure;
-  const char* sure;    ///< {} sure, {} likely, {} unsure
-  const char* places;  ///< positions are known to {} cm
-  const char* widths;  ///< diameters to {} mm
-  const char* width_bias;
+  const char* how_sure = of("Uncertainty", "Con qué seguridad se sabe");
+  const char* sure =
+      of("Of the trees {} are sure (95 % or more), {} likely (80 % or more), {} unsure.",
+         "De los árboles, {} son seguros (95 % o más), {} probables (80 % o más) y {} dudosos.");
+  const char* places =
+      of("The median uncertainty of a tree's position in the map is {} cm.",
+         "Según la dispersión de sus observaciones, el sitio de un árbol entre sus vecinos se "
+         "conoce con unos {} cm de error (la mitad de los árboles, mejor).");
+  const char* widths = of("The median uncertainty of a trunk's diameter is {} mm.",
+                          "También según su dispersión, el diámetro de un tronco se conoce con "
+                          "unos {} mm de error (la mitad, mejor).");
+  const char* width_bias =
+      of("The ± in these tables is the scatter of single measurements. An error common to all "
+         "trunks, such as that of the scanner's calibration, is not included; it cancels between "
+         "two drives of one robot.",
+         "El ± de estas tablas es solo el de la dispersión. Se le añade lo que es común a todos: "
+         "en los diámetros, el error de calibración del escáner, que se anula entre dos recorridos "
+         "del mismo robot; en los sitios, el del recorrido del robot.");
 };
 
 /// Texts for "en" or "es"; null for another language.
 const ReportTexts* find_report_texts(const std::string& language);
-
-extern const ReportTexts kReportTextsEn;
-extern const ReportTexts kReportTextsEs;
 
 }  // namespace orchard::io

@@ -12,7 +12,6 @@
 #include "evaluation/trajectory/trajectory_evaluation.hpp"
 #include "geometry/angles.hpp"
 #include "io/map/map_folder.hpp"
-#include "io/recording/track_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 
 namespace orchard::cli {

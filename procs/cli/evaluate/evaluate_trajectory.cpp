@@ -7,7 +7,7 @@
 #include "bus/process/process.hpp"
 #include "evaluation/trajectory/trajectory_report.hpp"
 #include "io/file_error.hpp"
-#include "io/recording/track_csv.hpp"
+#include "io/recording/truth_csv.hpp"
 
 namespace orchard::cli {
 

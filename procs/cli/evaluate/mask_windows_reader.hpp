@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibration/trunks/mask_windows.hpp"
-#include "io/recording/masked_pictures.hpp"
+#include "io/recording/picture_file.hpp"
 
 namespace orchard::cli {
 

@@ -14,10 +14,10 @@
 #include <sstream>
 #include <utility>
 
-#include "farm/sha256.hpp"
+#include "farm/farm_tasks.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/folder_names.hpp"
+#include "io/folder.hpp"
 #include "io/map/corrections_file.hpp"
 #include "text/number_text.hpp"
 

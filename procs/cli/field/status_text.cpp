@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "text/printable_text.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include "detection/detection.hpp"
 #include "io/map/corrections_file.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
-#include "text/printable_text.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -9,7 +9,6 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
 #include "mapping/rows/row_numbers.hpp"
 

@@ -11,7 +11,7 @@
 #include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/plan_names.hpp"
+#include "io/gis/plan_report.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/stored_map.hpp"
 #include "io/postgis/publication.hpp"

@@ -16,7 +16,7 @@
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/report/map_report.hpp"
-#include "text/printable_text.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "bus/messages/message.hpp"
-#include "io/recording/sensor_message.hpp"
+#include "io/recording/recording_folder.hpp"
 
 namespace orchard::cli {
 

@@ -10,7 +10,7 @@
 #include "cli/logs/log_json.hpp"
 #include "cli/logs/log_survey.hpp"
 #include "cli/parent_folder.hpp"
-#include "io/log/log_repair.hpp"
+#include "io/log/log_writer.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::cli {

@@ -15,7 +15,7 @@
 #include "cli/interruptible_work.hpp"
 #include "cli/logs/simulated_rig.hpp"
 #include "cli/parent_folder.hpp"
-#include "io/config/scene_rig.hpp"
+#include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/truth_csv.hpp"
 #include "simulation/simulator.hpp"

@@ -4,7 +4,6 @@
 #include "bus/messages/codec.hpp"
 #include "bus/messages/service_messages.hpp"
 #include "io/config/config.hpp"
-#include "io/config/scene_rig.hpp"
 
 namespace orchard::cli {
 

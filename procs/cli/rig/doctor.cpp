@@ -16,8 +16,8 @@
 #include "bus/socket_guard.hpp"
 #include "cli/field/field_url.hpp"
 #include "cli/rig/network_facts.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
-#include "text/printable_text.hpp"
 
 namespace orchard::cli {
 namespace {

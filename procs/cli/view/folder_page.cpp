@@ -10,10 +10,10 @@
 
 #include "cli/maps/stored_content.hpp"
 #include "io/file_error.hpp"
-#include "io/map/album_files.hpp"
 #include "io/map/corrections_file.hpp"
-#include "text/printable_text.hpp"
-#include "text/whole_number.hpp"
+#include "io/map/map_folder.hpp"
+#include "text/encoded_text.hpp"
+#include "text/number_text.hpp"
 #include "view/map_data.hpp"
 #include "view/page.hpp"
 

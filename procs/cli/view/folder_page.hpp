@@ -9,11 +9,11 @@
 
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
-#include "view/live_map.hpp"
+#include "view/live_state.hpp"
 #include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
 #include "viewer/map_editor.hpp"
-#include "viewer/page_content.hpp"
+#include "viewer/page_server.hpp"
 
 namespace orchard::cli {
 

@@ -16,7 +16,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "mapping/rows/navigation_graph.hpp"
-#include "text/whole_number.hpp"
+#include "text/number_text.hpp"
 #include "view/detections_json.hpp"
 #include "view/map_data.hpp"
 #include "viewer/live_page.hpp"

@@ -12,7 +12,7 @@
 #include "io/config/config.hpp"
 #include "io/log/log_series.hpp"
 #include "view/drive_record.hpp"
-#include "viewer/page_content.hpp"
+#include "viewer/page_server.hpp"
 
 namespace orchard::cli {
 

@@ -10,7 +10,6 @@
 
 #include "bus/process/process.hpp"
 #include "io/config/config.hpp"
-#include "io/config/scene_rig.hpp"
 #include "simulation/simulator.hpp"
 #include "worlds/observation_csv.hpp"
 #include "worlds/observation_truth.hpp"

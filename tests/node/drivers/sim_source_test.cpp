@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "bus/messages/codec.hpp"
-#include "io/map/trajectory_csv.hpp"
+#include "io/map/map_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 
 namespace orchard::procs {

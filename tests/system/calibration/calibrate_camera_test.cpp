@@ -170,7 +170,7 @@ TEST_F(CalibrateCamera, BadPicturesAreOneSentence) {
   std::string bomb = whole;  // the header states 65536 columns more
   bomb[17] = 1;
   std::ofstream(in_folder("bomb.png")) << bomb;
-  expect_refusal(in_folder("bomb.png"), "bomb.png: its PNG header states");
+  expect_refusal(in_folder("bomb.png"), "bomb.png: is a damaged PNG");
   std::ofstream(in_folder("empty.lcm")).flush();
   expect_refusal(in_folder("empty.lcm"),
                  "empty.lcm: this file is neither an LCM log nor a picture");

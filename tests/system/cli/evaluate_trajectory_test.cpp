@@ -72,7 +72,7 @@ TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n");
   refused("has no poses");
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,0,0\n1,0,0\n");
-  refused("truth.csv:3:1: utime_us: the time must increase");
+  refused("truth.csv:3:1: utime_us: 1 is not later than 2");
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,nan,0\n");
   refused("truth.csv:2:3");
   // sound, but of another day

@@ -6,7 +6,7 @@
 
 #include "bus/messages/channel.hpp"
 #include "bus/messages/service_messages.hpp"
-#include "io/config/text_hash.hpp"
+#include "io/config/config_file.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/log/log_writer.hpp"
 #include "system/cli/cli_fixture.hpp"

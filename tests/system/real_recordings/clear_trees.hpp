@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/recording/sensor_message.hpp"
+#include "io/recording/recording_folder.hpp"
 #include "mapping/landmark.hpp"
 
 namespace orchard::test {

@@ -13,7 +13,6 @@
 
 #include "io/config/config.hpp"
 #include "io/map/map_csv.hpp"
-#include "io/map/trajectory_csv.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "system/cli/cli_fixture.hpp"
 #include "system/real_recordings/clear_trees.hpp"

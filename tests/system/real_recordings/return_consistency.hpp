@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/recording/sensor_message.hpp"
+#include "io/recording/recording_folder.hpp"
 #include "laser/laser_config.hpp"
 #include "pose/pose_estimate.hpp"
 

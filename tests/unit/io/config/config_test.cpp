@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/config/config.hpp"
+
+// Keys for users, keys for experts; keys of a log of another version.
+// Two keys that constrain each other: a configuration that crosses them is refused, and says so.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/config/config.hpp"
+#include "io/config/config_difference.hpp"
+#include "io/config/config_file.hpp"
 
 namespace orchard::io {
 namespace {
@@ -13,6 +24,8 @@ namespace {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 std::vector<std::string> problems_of(const std::string& yaml) {
   try {
@@ -84,11 +97,6 @@ TEST(Config, ListsOfNumbersReadBackAsTheSame) {
   EXPECT_NE(config_hash(other), config_hash(config));
 }
 
-TEST(Config, AnEmptyListIsPrintedAndReadBack) {
-  EXPECT_THAT(print_config(Config()), HasSubstr("    weights: []"));
-  EXPECT_TRUE(parse_config(print_config(Config()), "printed").detector.appearance.weights.empty());
-}
-
 TEST(Config, RefusesListsThatDoNotFit) {
   const std::string head = "detector:\n  appearance:\n";
   EXPECT_THAT(problems_of(head + appearance_of(vision::kNumAppearanceFeatures - 1)),
@@ -111,12 +119,6 @@ TEST(Config, RefusesListsThatDoNotFit) {
       ElementsAre(HasSubstr("learnt with other features; run `orchard calibrate trunks` again")));
 }
 
-TEST(Config, TheAppearanceModelMustBeLearntBeforeItIsUsed) {
-  EXPECT_THAT(problems_of("detector:\n  colour_model: appearance\n"),
-              ElementsAre(HasSubstr("rig.yaml:2: detector.colour_model = appearance: needs a "
-                                    "learnt detector.appearance")));
-}
-
 TEST(Config, WhatIsPrintedReadsBackAsTheSame) {
   Config config;
   config.detector.width.mean_m = 0.1234567890123;
@@ -131,15 +133,6 @@ TEST(Config, WhatIsPrintedReadsBackAsTheSame) {
 
 TEST(Config, AnEmptyFileIsAllDefaults) {
   EXPECT_EQ(effective_config(parse_config("", "empty")), effective_config(Config{}));
-}
-
-TEST(Config, AMissingFileIsNamed) {
-  try {
-    load_config("/nonexistent/rig.yaml");
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/nonexistent/rig.yaml"));
-  }
 }
 
 TEST(Config, TheHashDoesNotDependOnTheNetwork) {
@@ -162,9 +155,191 @@ TEST(Config, AFileThatIsTooLargeForOneIsRefused) {
     }
   }
   std::filesystem::remove(path);
-  EXPECT_THROW(load_config(path), ConfigError);
-  EXPECT_THROW(load_config(::testing::TempDir()), ConfigError) << "a folder";
+  for (const std::string& file : {path, ::testing::TempDir()}) {  // a missing file, a folder
+    try {
+      load_config(file);
+      FAIL() << file;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(file));
+    }
+  }
+}
+
+/// A key of a printed configuration.
+struct PrintedKey {
+  std::string section;  ///< with a dot at its end
+  std::string name, value;
+  bool is_expert = false;
+};
+
+std::vector<PrintedKey> keys_of(const std::string& printed) {
+  std::vector<PrintedKey> keys;
+  std::vector<std::string> sections;
+  std::istringstream text(printed);
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t indent = line.find_first_not_of(' ');
+    const std::size_t colon = line.find(':');
+    const std::string name = line.substr(indent, colon - indent);
+    sections.resize(indent / 2);
+    if (colon + 1 == line.size() || line.compare(colon, 4, ":  #") == 0) {
+      sections.push_back(name);
+      continue;
+    }
+    PrintedKey key{"", name, line.substr(colon + 2), line.find("  # expert: ") != line.npos};
+    for (const std::string& section : sections) key.section += section + ".";
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+TEST(ConfigLevels, AUserIsShownAtMostSixtyKeysBesideDriversAndSimulation) {
+  int num_shown = 0;
+  for (const PrintedKey& key : keys_of(print_config(Config(), PrintedKeys::kUser))) {
+    EXPECT_FALSE(key.is_expert) << key.section << key.name;
+    num_shown += key.section.rfind("drivers.", 0) != 0 && key.section.rfind("simulation.", 0) != 0;
+  }
+  EXPECT_LE(num_shown, 60);
+  EXPECT_GE(num_shown, 40);
+}
+
+TEST(ConfigLevels, WhatUsersAndExpertsAreShownReadsBackAsTheSame) {
+  Config config;
+  config.pose.slam.submap_length_m = 9.5;   // for experts
+  config.detector.edges.canny_low = 17;     // in a section for experts
+  config.camera.extrinsics.delta_m[1] = 1;  // for users
+  const std::string user = print_config(config, PrintedKeys::kUser);
+  EXPECT_EQ(effective_config(parse_config(user, "user")), effective_config(config));
+  const std::string all = print_config(config, PrintedKeys::kAll);
+  EXPECT_EQ(effective_config(parse_config(all, "all")), effective_config(config));
+  EXPECT_THAT(user, HasSubstr("submap_length_m: 9.5  # expert: m in"));
+  EXPECT_THAT(user, HasSubstr("  edges:  # expert: "));
+  EXPECT_THAT(user, Not(HasSubstr("canny_high:")));
+  EXPECT_THAT(all, HasSubstr("canny_high"));
+  EXPECT_THAT(print_config(Config(), PrintedKeys::kUser), Not(HasSubstr("\n  edges:")));
+}
+
+TEST(RecordedConfig, KeysOfAnotherReleaseAreNotedInALogAndRefusedInAFile) {
+  const std::string yaml =
+      "detector:\n  adaptation:\n    enabled: true\n  tree_threshold: 0.3\nmapper:\n  presence: "
+      "1\n  absence: 2\n";
+  const RecordedConfig recorded = parse_recorded_config(yaml, "the rig in a.lcm");
+  EXPECT_EQ(recorded.config.detector.tree_threshold, 0.3);
+  EXPECT_THAT(
+      recorded.notes,
+      ElementsAre(HasSubstr("detector.adaptation = (a section) is no key of this version"),
+                  HasSubstr("mapper.presence = 1, absence = 2 are no keys of this version")));
+  EXPECT_THAT(parse_recorded_config(effective_config(Config()), "").notes, IsEmpty());
+  EXPECT_THROW(parse_recorded_config("detector: {tree_threshold: 9}", ""), ConfigError);
+  EXPECT_THROW(parse_config(yaml, "rig.yaml"), ConfigError);
+}
+
+struct Crossed {
+  const char* yaml;     ///< on one line; every value within its own range
+  const char* problem;  ///< part of the one sentence that must come of it
+};
+
+constexpr Crossed kCrossed[] = {
+    {"detector: {segmentation: {range_min_m: 5, range_max_m: 4}}",
+     "range_min_m = 5: must be below"},
+    {"detector: {segmentation: {reflector: only}}",
+     "reflectivity_min = (default): must be above 0"},
+    {"detector: {segmentation: {width_max_m: 0.2}, width: {mean_m: 0.2}}",
+     "segmentation.width_max_m"},
+    {"detector: {edges: {canny_low: 200, canny_high: 100}}", "canny_low = 200: must be below"},
+    {"detector: {pairing_tolerance_s: 0.3}", "pairing_tolerance_s = 0.3: must not be above image"},
+    {"detector: {decision: probability}", "decision = probability: probability needs"},
+    {"detector: {colour_model: appearance}", "colour_model = appearance: needs a learnt"},
+    {"detector: {probability: {enabled: true}}", "enabled = true: needs weights"},
+    {"pose: {mode: prior_map}", "mode = prior_map: needs pose.prior_map.map_file"},
+    {"pose: {scan_motion: {range_min_m: 40}}", "range_min_m = 40: must be below range_max_m"},
+    {"pose: {gnss: {datum: [95, 0, 0]}}", "latitude"},
+    {"pose: {gnss: {datum: [0, 200, 0]}}", "longitude"},
+    {"pose: {prior_map: {detection_range_m: 20}}", "must not be above observation_range_max_m"},
+    {"mapper: {merge_m: 0.7}", "mapper.merge_m = 0.7: must not be above twice gate_m"},
+    {"mapper: {pose_gap_max_s: 0.1}",
+     "deskew_pose_gap_max_s = (default): must not be above pose_gap"},
+    {"simulation: {scanner: {range_min_m: 6}}", "range_min_m = 6: must be below range_max_m"},
+    {"simulation: {orchard: {bark_hue_min_deg: 90}}", "bark_hue_min_deg = 90"},
+    {"simulation: {orchard: {bark_saturation_min: 0.9}}", "bark_saturation_min = 0.9"},
+    {"simulation: {orchard: {bark_value_min: 0.9}}", "bark_value_min = 0.9"},
+    {"simulation: {orchard: {start_anywhere: true}}", "start_anywhere = true: needs laps"},
+};
+
+TEST(ConfigLimits, CrossedOnesAreRefusedWhereTheyStand) {
+  for (const Crossed& crossed : kCrossed) {
+    EXPECT_THAT(problems_of(crossed.yaml), ElementsAre(HasSubstr(crossed.problem))) << crossed.yaml;
+  }
+}
+
+/// Every key of a printed configuration whose name holds _min where another one of its section
+/// holds _max: set beyond the maximum, it is refused. Hues alone are circular.
+TEST(ConfigLimits, NoMinimumMayPassItsMaximum) {
+  const std::vector<PrintedKey> keys = keys_of(effective_config(Config()));
+  int num_pairs = 0;
+  for (const PrintedKey& key : keys) {
+    const std::size_t at = key.name.find("_min");
+    if (at == std::string::npos || key.section + key.name == "detector.colour.hue_min_deg")
+      continue;
+    const std::string other = key.name.substr(0, at) + "_max" + key.name.substr(at + 4);
+    for (const PrintedKey& most : keys) {
+      if (most.section != key.section || most.name != other) continue;
+      std::string open, close;
+      std::istringstream names(key.section);
+      for (std::string name; std::getline(names, name, '.');) open += name + ": {", close += "}";
+      const double beyond = std::stod(most.value) * 1.01;
+      EXPECT_THAT(problems_of(open + key.name + ": " + std::to_string(beyond) + close),
+                  ElementsAre(HasSubstr(key.section + key.name)));
+      ++num_pairs;
+    }
+  }
+  EXPECT_GE(num_pairs, 6);
+}
+
+TEST(ConfigLimits, OrderInTheFileDoesNotMatter) {
+  EXPECT_THAT(problems_of("detector: {pairing_tolerance_s: 0.3, image_wait_s: 0.4}"), IsEmpty());
+  EXPECT_THAT(problems_of("detector: {image_wait_s: 0.4, pairing_tolerance_s: 0.3}"), IsEmpty());
+  EXPECT_THAT(problems_of("mapper: {merge_m: 0.7, gate_m: 0.5}"), IsEmpty());
+}
+
+std::vector<std::string> lines(const std::string& a, const std::string& b) {
+  return difference_lines(config_differences(a, b));
+}
+
+TEST(ConfigDifferences, NameEachKeyOnceInTheOrderOfTheFirst) {
+  EXPECT_THAT(lines("laser:\n  x: 1\n  y: [1, 2]\ndetector:\n  width:\n    z: a\n  gone: 3\n",
+                    "detector:\n  width:\n    z: b\n  new: 4\nlaser:\n  y: [1, 3]\n  x: 1\n"),
+              ElementsAre("laser.y: [1, 2] -> [1, 3]", "detector.width.z: a -> b",
+                          "detector.gone: 3 -> (none)", "detector.new: (none) -> 4"));
+}
+
+TEST(ConfigDifferences, OfNetworkAndSimulationAreNone) {
+  EXPECT_THAT(lines("lcm:\n  url: a\ndrivers:\n  laser:\n    device: c\nsimulation:\n  x: 1\n",
+                    "lcm:\n  url: b\n"),
+              IsEmpty());
+}
+
+TEST(ConfigDifferences, ManyAreCounted) {
+  const auto all =
+      lines(effective_config(scene_rig("tubes")), effective_config(scene_rig("orchard")));
+  EXPECT_LE(all.size(), 21u);
+  std::string many = "detector:\n";
+  for (int i = 0; i < 30; ++i) many += "  k" + std::to_string(i) + ": 1\n";
+  EXPECT_EQ(lines(many, "").back(), "and 10 more");
+}
+
+TEST(ConfigDifferences, WhatIsNoYamlIsRefused) {
+  EXPECT_THROW(config_differences("a: [", ""), ConfigError);
+}
+
+TEST(SceneRig, IsTheFileOfTheSceneAsItStands) {
+  for (const std::string scene : {"tubes", "orchard", "park"}) {
+    EXPECT_EQ(effective_config(scene_rig(scene)),
+              effective_config(load_config(ORCHARD_SOURCE_DIR "/config/" + scene + ".yaml")));
+  }
+  EXPECT_EQ(effective_config(scene_rig("board")), effective_config(scene_rig("tubes")));
+  EXPECT_EQ(effective_config(scene_rig("forest")), effective_config(Config{}));
 }
 
 }  // namespace
+
 }  // namespace orchard::io

@@ -1,36 +1,115 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gis/plan_file.hpp"
 
+#include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <ogrsf_frmts.h>
 
 #include <GeographicLib/Geodesic.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <string>
 
-#include "io/config/config_error.hpp"
+#include "geometry/georeference.hpp"
+#include "io/config/config_file.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
-#include "unit/io/gis/plan_writer.hpp"
+#include "mapping/plan/orchard_plan.hpp"
+#include "unit/io/test_folder.hpp"
 
 namespace orchard::io {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// A kind of file that a grower may have, with its extension.
+struct PlanKind {
+  const char* driver;
+  const char* extension;
+  const char* crs;  ///< empty: latitude and longitude
+  bool needs_crs;   ///< the file cannot say which it has
+};
+constexpr PlanKind kPlanKinds[] = {
+    {"GPKG", "gpkg", "EPSG:3857", false},  {"ESRI Shapefile", "shp", "EPSG:32630", false},
+    {"GeoJSON", "geojson", "", false},     {"LIBKML", "kml", "", false},
+    {"DXF", "dxf", "EPSG:25830", true},    {"CSV", "csv", "", false},
+    {"CSV", "csv", "EPSG:25830", true},    {"FlatGeobuf", "fgb", "EPSG:2154", false},
+    {"GPKG", "gpkg", "EPSG:27700", false},
+};
+
+void require(bool holds) {
+  if (!holds) throw std::runtime_error("a plan for the test could not be written");
+}
+
+/// Writes a plan whose frame lies on the earth as `georeference` says, by GDAL's own writers and
+/// transformations. A DXF gets a layer for each row and no tree names.
+std::string write_plan(const mapping::OrchardPlan& plan, const geometry::Georeference& georeference,
+                       const PlanKind& kind, const std::string& stem) {
+  GDALAllRegister();
+  const std::string path = stem + "." + kind.extension;
+  OGRSpatialReference wgs84, srs;
+  wgs84.importFromEPSG(4326);
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  srs.SetFromUserInput(*kind.crs ? kind.crs : "EPSG:4326");
+  srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> transformation(
+      OGRCreateCoordinateTransformation(&wgs84, &srs));
+  const auto place_of = [&](const mapping::PlannedTree& tree) {
+    const geometry::Geodetic place = geometry::geodetic_of(georeference, tree.p_plan);
+    Eigen::Vector2d p(place.longitude_deg, place.latitude_deg);
+    require(transformation->Transform(1, &p.x(), &p.y()));
+    return p;
+  };
+  const std::string driver = kind.driver;
+  if (driver == "CSV") {
+    std::ofstream file(path);
+    file << (*kind.crs ? "Row,Tree,Easting,Northing\n" : "Row,Tree,Longitude,Latitude\n");
+    for (const mapping::PlannedRow& row : plan.rows) {
+      for (const mapping::PlannedTree& tree : row.trees) {
+        const Eigen::Vector2d p = place_of(tree);
+        char line[160];
+        std::snprintf(line, sizeof line, "%s,%s,%.9f,%.9f\n", row.name.c_str(), tree.name.c_str(),
+                      p.x(), p.y());
+        file << line;
+      }
+    }
+    return path;
+  }
+  const GDALDatasetUniquePtr dataset(GetGDALDriverManager()
+                                         ->GetDriverByName(kind.driver)
+                                         ->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  require(dataset != nullptr);
+  OGRLayer* layer = dataset->CreateLayer("trees", &srs, wkbPoint, nullptr);
+  require(layer != nullptr);
+  const bool is_drawing = driver == "DXF";
+  if (!is_drawing) {
+    for (const char* name : {"Row", "Tree"}) {
+      OGRFieldDefn field(name, OFTString);
+      require(layer->CreateField(&field) == OGRERR_NONE);
+    }
+  }
+  for (const mapping::PlannedRow& row : plan.rows) {
+    for (const mapping::PlannedTree& tree : row.trees) {
+      OGRFeature feature(layer->GetLayerDefn());
+      feature.SetField(is_drawing ? "Layer" : "Row", row.name.c_str());
+      if (!is_drawing) feature.SetField("Tree", tree.name.c_str());
+      const Eigen::Vector2d p = place_of(tree);
+      const OGRPoint point(p.x(), p.y());
+      feature.SetGeometry(&point);
+      require(layer->CreateFeature(&feature) == OGRERR_NONE);
+    }
+  }
+  return path;
+}
+
 class PlanFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::path(::testing::TempDir()) /
-        ("plan_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    write_bytes(folder_ / name, text);
+    return folder_ / name;
   }
   /// What refuses it.
   std::string refusal(const std::string& path, const PlanFileOptions& options = {}) const {
@@ -44,7 +123,7 @@ class PlanFile : public ::testing::Test {
     return "";
   }
 
-  fs::path folder_;
+  TestFolder folder_;
 };
 
 geometry::Georeference in_spain() {
@@ -68,7 +147,7 @@ mapping::OrchardPlan small_plan() {
 TEST_F(PlanFile, IsTheSameFromEveryFormatAndSystem) {
   const mapping::OrchardPlan truth = small_plan();
   for (const PlanKind& kind : kPlanKinds) {
-    const std::string path = write_plan(truth, in_spain(), kind, (folder_ / "plan").string());
+    const std::string path = write_plan(truth, in_spain(), kind, folder_ / "plan");
     PlanFileOptions options;
     if (kind.needs_crs) options.crs = kind.crs;
     const StoredPlan plan = read_plan(path, options);
@@ -133,8 +212,7 @@ TEST_F(PlanFile, RowsMayBeLines) {
 }
 
 TEST_F(PlanFile, ReadsItsOwnGeoJsonBack) {
-  const std::string path =
-      write_plan(small_plan(), in_spain(), kPlanKinds[0], (folder_ / "plan").string());
+  const std::string path = write_plan(small_plan(), in_spain(), kPlanKinds[0], folder_ / "plan");
   const StoredPlan plan = read_plan(path, {});
   const StoredPlan back = read_plan(written("back.geojson", plan_geojson(plan)), {});
   EXPECT_EQ(back.plan.num_trees(), 15u);
@@ -148,8 +226,8 @@ TEST_F(PlanFile, SaysWhatIsWrong) {
     EXPECT_NE(text.find(words), std::string::npos)
         << "\"" << text << "\" lacks \"" << words << "\"";
   };
-  says((folder_ / "none.gpkg").string(), "does not exist");
-  says(folder_.string(), "is not a file");
+  says(folder_ / "none.gpkg", "does not exist");
+  says(folder_.path(), "is not a file");
   says(written("text.csv", "row,tree,x,y\n1,1,0,zero\n"),
        "feature 1: y = \"zero\" is not a number");
   says(written("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "is not on the earth");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/recording/masked_pictures.hpp"
+#include "io/recording/picture_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

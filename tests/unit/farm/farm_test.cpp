@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+
+#include "farm/cost_fit.hpp"
+#include "farm/farm_tasks.hpp"
+
+namespace orchard::farm {
+namespace {
+
+Drive drive(const std::string& block, const std::string& date, const std::string& robot,
+            const std::string& log_digest) {
+  Drive d;
+  d.block = block, d.date = date, d.robot = robot, d.name = "drive";
+  d.log_paths = {"logs/" + d.title() + ".lcm"};
+  d.log_digest = log_digest;
+  return d;
+}
+
+std::vector<Drive> farm_of(int num_blocks, int num_dates, int num_robots) {
+  std::vector<Drive> drives;
+  for (int b = 0; b < num_blocks; ++b) {
+    for (int d = 0; d < num_dates; ++d) {
+      for (int r = 0; r < num_robots; ++r) {
+        const std::string log =
+            std::to_string(b) + "." + std::to_string(d) + "." + std::to_string(r);
+        drives.push_back(drive("block_" + std::to_string(b), "2026-0" + std::to_string(d + 1),
+                               "robot_" + std::to_string(r), log));
+      }
+    }
+  }
+  return drives;
+}
+
+std::set<std::string> names_of(const std::vector<FarmTask>& tasks) {
+  std::set<std::string> names;
+  for (const FarmTask& task : tasks) names.insert(task.name);
+  return names;
+}
+
+/// How many tasks of each kind of `now` were not there before.
+std::map<TaskKind, int> num_new(const std::vector<FarmTask>& before,
+                                const std::vector<FarmTask>& now) {
+  const auto known = names_of(before);
+  std::map<TaskKind, int> num;
+  for (const FarmTask& task : now) num[task.kind] += known.count(task.name) == 0 ? 1 : 0;
+  return num;
+}
+
+TEST(FarmTasks, AreInOrderAndNeedOnlyWhatStandsBefore) {
+  const auto tasks = tasks_of(farm_of(3, 3, 2), {});
+  EXPECT_EQ(tasks.size(), 18U + 18U + 9U + 6U + 9U) << "checks, maps, dates, changes, reports";
+  std::set<std::string> before;
+  for (const FarmTask& task : tasks) {
+    for (const std::string& need : task.needs) EXPECT_EQ(before.count(need), 1U) << task.name;
+    for (const std::string& date : task.earlier) EXPECT_EQ(before.count(date), 1U) << task.name;
+    before.insert(task.name);
+  }
+  EXPECT_EQ(before.size(), tasks.size()) << "each once";
+}
+
+TEST(FarmTasks, DoNotDependOnTheOrderInWhichDrivesAreFound) {
+  auto drives = farm_of(3, 2, 2);
+  const auto tasks = tasks_of(drives, {});
+  std::reverse(drives.begin(), drives.end());
+  const auto again = tasks_of(drives, {});
+  ASSERT_EQ(tasks.size(), again.size());
+  for (std::size_t i = 0; i < tasks.size(); ++i) EXPECT_EQ(tasks[i].name, again[i].name);
+}
+
+TEST(FarmTasks, OfOneMoreLogAreThoseThatDependOnIt) {
+  auto drives = farm_of(3, 3, 2);
+  const auto before = tasks_of(drives, {});
+  drives.push_back(drive("block_1", "2026-02", "robot_7", "new"));
+  auto num = num_new(before, tasks_of(drives, {}));
+  EXPECT_EQ(num[TaskKind::kCheck], 1);
+  EXPECT_EQ(num[TaskKind::kMap], 1);
+  EXPECT_EQ(num[TaskKind::kDate], 2) << "its date and the one after";
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, OfAnotherRigAreItsMapsAndWhatFollows) {
+  auto drives = farm_of(2, 2, 2);
+  const auto before = tasks_of(drives, {});
+  for (Drive& d : drives) {
+    if (d.robot == "robot_1") d.rig_digest = "mended";
+  }
+  auto num = num_new(before, tasks_of(drives, {}));
+  EXPECT_EQ(num[TaskKind::kCheck], 0);
+  EXPECT_EQ(num[TaskKind::kMap], 4);
+  EXPECT_EQ(num[TaskKind::kDate], 4);
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, OfAnEditedDateAreTheDatesAfterIt) {
+  const auto drives = farm_of(2, 3, 2);
+  const auto before = tasks_of(drives, {});
+  std::vector<std::string> dates;
+  for (const FarmTask& task : before) {
+    if (task.kind == TaskKind::kDate) dates.push_back(task.name);
+  }
+  auto num = num_new(before, tasks_of(drives, {}, [&](const std::string& name) {
+                       return name == dates[0] ? std::string("a tree felled") : std::string();
+                     }));
+  EXPECT_EQ(num[TaskKind::kMap], 0);
+  EXPECT_EQ(num[TaskKind::kDate], 2) << "the two after it, and none of the other block";
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, PutEachDateIntoTheDatabaseWhereThereIsOne) {
+  const auto drives = farm_of(2, 3, 2);
+  FarmSettings settings;
+  const auto before = tasks_of(drives, settings);
+  settings.publish_to = "service=farm";
+  const auto now = tasks_of(drives, settings);
+  auto num = num_new(before, now);
+  EXPECT_EQ(num[TaskKind::kPublish], 6);
+  EXPECT_EQ(now.size(), before.size() + 6U) << "and nothing else has another name";
+  settings.publish_to = "service=other";
+  num = num_new(now, tasks_of(drives, settings));
+  EXPECT_EQ(num[TaskKind::kPublish], 6) << "another database has none of them yet";
+  std::string newest;
+  for (const FarmTask& task : now) {
+    if (task.kind == TaskKind::kDate) newest = task.name;
+  }
+  settings.publish_to = "service=farm";
+  num = num_new(now, tasks_of(drives, settings, [&](const std::string& name) {
+                  return name == newest ? std::string("a tree felled") : std::string();
+                }));
+  EXPECT_EQ(num[TaskKind::kPublish], 1) << "what people corrected goes there, too";
+}
+
+TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
+  std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
+                            drive("b", "1", "x", "log")};
+  const auto tasks = tasks_of(drives, {});
+  ASSERT_EQ(tasks.size(), 5U) << "one check, one map, one date: both blocks hold the same, and "
+                                 "each has a report of its own name";
+  EXPECT_EQ(tasks[1].drives.size(), 3U);
+  EXPECT_EQ(tasks[2].needs.size(), 1U);
+}
+
+// The examples that NIST gives for SHA-256.
+TEST(Sha256, GivesTheStandardsDigests) {
+  EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256_hex(std::string(1000000, 'a')),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(Sha256, DoesNotDependOnThePiecesInWhichBytesCome) {
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += static_cast<char>((i * 31) % 251);
+  for (const std::size_t piece : {1UL, 3UL, 55UL, 63UL, 64UL, 65UL, 999UL}) {
+    Sha256 digest;
+    for (std::size_t at = 0; at < text.size(); at += piece) {
+      digest.add(text.data() + at, std::min(piece, text.size() - at));
+    }
+    EXPECT_EQ(digest.hex(), sha256_hex(text)) << piece;
+  }
+}
+
+TEST(CostFit, FindsWhatAMapCosts) {
+  std::vector<CostSample> samples;
+  for (int i = 1; i <= 20; ++i) {
+    const double km = 0.1 * i, trees = 10.0 * ((i * 7) % 23), mb = 30.0 * km;
+    samples.push_back(
+        {0.5 + 6.0 * km + 0.01 * trees, 90.0 + 64.0 * km + 0.07 * trees, km, trees, mb});
+  }
+  const CostFit fit = fit_costs(samples);
+  EXPECT_NEAR(fit.time_s.at_least, 0.5, 1e-6);
+  EXPECT_NEAR(fit.time_s.per_km, 6.0, 1e-6);
+  EXPECT_NEAR(fit.time_s.per_tree, 0.01, 1e-6);
+  EXPECT_NEAR(fit.memory_mb.per_km, 64.0, 1e-6);
+  EXPECT_GT(fit.ask_mb.per_mb, 0.0);
+}
+
+TEST(CostFit, HasNoPartBelowZero) {
+  // Trees that make a map cheaper: as they stand nearer together, say.
+  std::vector<CostSample> samples;
+  for (int i = 1; i <= 10; ++i) {
+    const double km = 0.1 * i, trees = 100.0 / i;
+    samples.push_back({1.0 + 5.0 * km - 0.001 * trees, 100.0, km, trees, 10.0});
+  }
+  const CostFit fit = fit_costs(samples);
+  for (const CostLine& line : {fit.time_s, fit.memory_mb, fit.ask_s, fit.ask_mb}) {
+    EXPECT_GE(line.at_least, 0.0);
+    EXPECT_GE(line.per_km, 0.0);
+    EXPECT_GE(line.per_tree, 0.0);
+    EXPECT_GE(line.per_mb, 0.0);
+  }
+  EXPECT_GT(fit_costs({}).ask_s.at_least, 0.0) << "something is asked for before the first map";
+}
+
+}  // namespace
+
+}  // namespace orchard::farm

@@ -225,10 +225,6 @@ constexpr double kFilled = 0.9;
 
 constexpr double kBytesPerMb = 1e6;
 
-std::size_t num_bytes_of(const Photograph& photograph) {
-  return photograph.jpeg.size() + sizeof(Photograph);
-}
-
 bool is_close(double ax_m, double ay_m, double bx_m, double by_m, double gate_m) {
   return std::hypot(ax_m - bx_m, ay_m - by_m) <= gate_m;
 }
@@ -261,10 +257,10 @@ void Album::add_picture(const vision::Image& image) {
   last_picture_utime_ = image.utime;
   const auto num_bytes = [this] {
     std::size_t sum = 0;
-    for (const vision::Image& waiting : pictures_) sum += waiting.data.size();
+    for (const Picture& waiting : pictures_) sum += waiting->data.size();
     return sum;
   };
-  pictures_.push_back(image);
+  pictures_.push_back(std::make_shared<const vision::Image>(image));
   while (pictures_.size() > 1 &&
          (pictures_.size() > kWaitingPicturesMax || num_bytes() > kPictureBytesMax)) {
     pictures_.erase(pictures_.begin());
@@ -284,7 +280,7 @@ void Album::take_scans() {
     if (!last_picture_utime_ || *last_picture_utime_ < scan.image_utime) break;
     const auto of_it = std::find_if(
         pictures_.begin(), pictures_.end(),
-        [&scan](const vision::Image& waiting) { return waiting.utime == scan.image_utime; });
+        [&scan](const Picture& waiting) { return waiting->utime == scan.image_utime; });
     if (of_it != pictures_.end()) {
       observe(scan, *of_it);
       // Scans are in order of time, so older images are no longer needed.
@@ -295,12 +291,12 @@ void Album::take_scans() {
   scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(num_done));
 }
 
-void Album::observe(const WaitingScan& scan, const vision::Image& image) {
+void Album::observe(const WaitingScan& scan, const Picture& image) {
   const double dt_s =
       1e-6 * static_cast<double>(scan.image_utime - scan.utime) - rig_.camera_delay_s;
   const std::vector<Framing> framings = frame_subjects(scan.subjects, rig_, scan.motion, dt_s);
-  vision::PictureReader picture(image);
-  for (const Framing& framing : framings) picture.expect(framing.frame);
+  vision::PictureReader picture(*image);
+  for (const Framing& framing : framings) picture.expect(framing.trunk);
   pose::PoseEstimate T_map_base;
   T_map_base.x_m = scan.x_m, T_map_base.y_m = scan.y_m, T_map_base.yaw_rad = scan.yaw_rad;
   const PoseComposition composition(T_map_base);
@@ -312,12 +308,14 @@ void Album::observe(const WaitingScan& scan, const vision::Image& image) {
     Passing& passing = passings_[passing_at(p_map.x(), p_map.y(), scan.utime)];
     passing.last_utime = scan.utime;
     if (!(is_worth > kBetter * passing.best.quality)) continue;
-    std::vector<std::uint8_t> jpeg = cropped_jpeg(framings[i], picture);
-    if (jpeg.empty()) continue;
-    num_bytes_ -= num_bytes_of(passing.best);
-    passing.best = {scan.utime,       image.utime, framings[i].frame,
-                    scan.subjects[i], is_worth,    std::move(jpeg)};
-    num_bytes_ += num_bytes_of(passing.best);
+    num_bytes_ -= num_bytes_of(passing);
+    passing.best = {scan.utime, image->utime, framings[i].frame, scan.subjects[i], is_worth, {}};
+    passing.framing = framings[i];
+    passing.picture = image;
+    num_bytes_ += num_bytes_of(passing);
+  }
+  if (num_bytes_ > max_bytes_) {
+    for (Passing& passing : passings_) cut_out(passing);
   }
   if (num_bytes_ > max_bytes_) drop_worst_photographs();
 }
@@ -327,7 +325,9 @@ std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
   const auto goes_on = [utime](const Passing& passing) {
     return std::abs(utime - passing.last_utime) <= kPassing_us;
   };
-  while (num_over_ < passings_.size() && !goes_on(passings_[num_over_])) ++num_over_;
+  while (num_over_ < passings_.size() && !goes_on(passings_[num_over_])) {
+    cut_out(passings_[num_over_++]);
+  }
   std::size_t nearest = passings_.size();
   double nearest_m = kSamePlace_m;
   for (std::size_t i = num_over_; i < passings_.size(); ++i) {
@@ -337,10 +337,24 @@ std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
     nearest_m = distance_m;
   }
   if (nearest == passings_.size()) {
-    passings_.push_back({x_m, y_m, utime, {}});
-    num_bytes_ += num_bytes_of(passings_.back().best);
+    passings_.push_back({x_m, y_m, utime, {}, {}, nullptr});
+    num_bytes_ += num_bytes_of(passings_.back());
   }
   return nearest;
+}
+
+std::size_t Album::num_bytes_of(const Passing& passing) {
+  return sizeof(Passing) + passing.best.jpeg.size() +
+         (passing.picture ? passing.picture->data.size() : 0);
+}
+
+void Album::cut_out(Passing& passing) {
+  if (!passing.picture) return;
+  num_bytes_ -= num_bytes_of(passing);
+  vision::PictureReader picture(*passing.picture);
+  passing.best.jpeg = cropped_jpeg(passing.framing, picture);
+  passing.picture.reset();
+  num_bytes_ += num_bytes_of(passing);
 }
 
 /// Frees memory: keeps the best passing of each position in descending worth, then further ones, up
@@ -368,7 +382,7 @@ void Album::drop_worst_photographs() {
   num_bytes_ = 0;
   for (const std::vector<std::size_t>* group : {&kept, &again}) {
     for (const std::size_t i : *group) {
-      const std::size_t more = num_bytes_of(passings_[i].best);
+      const std::size_t more = num_bytes_of(passings_[i]);
       if (num_bytes_ + more > limit) break;
       num_bytes_ += more;
       stays[i] = 1;
@@ -388,12 +402,17 @@ std::vector<PlacedPhotograph> Album::photographs(
     const std::function<std::optional<pose::PoseEstimate>(std::int64_t)>& pose_at) const {
   std::vector<PlacedPhotograph> all;
   for (const Passing& passing : passings_) {
-    if (passing.best.jpeg.empty()) continue;
     const auto pose = pose_at(passing.best.scan_utime);
     if (!pose) continue;
+    Photograph best = passing.best;
+    if (passing.picture) {
+      vision::PictureReader picture(*passing.picture);
+      best.jpeg = cropped_jpeg(passing.framing, picture);
+    }
+    if (best.jpeg.empty()) continue;
     const Eigen::Vector2d p_map =
-        PoseComposition(*pose).apply(passing.best.subject.x_base_m, passing.best.subject.y_base_m);
-    all.push_back({passing.best, p_map.x(), p_map.y()});
+        PoseComposition(*pose).apply(best.subject.x_base_m, best.subject.y_base_m);
+    all.push_back({std::move(best), p_map.x(), p_map.y()});
   }
   return all;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -120,24 +121,30 @@ class Album {
     detection::Motion motion;
     std::vector<Subject> subjects;
   };
-  /// Best view of one position in one passing.
+  using Picture = std::shared_ptr<const vision::Image>;
+  /// Best view of one position in one passing. It is cut out of its image when the passing ends:
+  /// while the robot approaches, each view is better than the one before.
   struct Passing {
     double x_m = 0.0, y_m = 0.0;  ///< in map, by the pose at that time
     std::int64_t last_utime = 0;
     Photograph best;
+    Framing framing;
+    Picture picture;  ///< null: best.jpeg is cut out already
   };
+  static std::size_t num_bytes_of(const Passing& passing);
   void take_scans();
-  void observe(const WaitingScan& scan, const vision::Image& image);
+  void observe(const WaitingScan& scan, const Picture& image);
   std::size_t passing_at(double x_m, double y_m, std::int64_t utime);
+  void cut_out(Passing& passing);
   void drop_worst_photographs();
 
   detection::Rig rig_;
   std::size_t max_bytes_;
-  std::vector<WaitingScan> scans_;       ///< in order of arrival
-  std::vector<vision::Image> pictures_;  ///< likewise
-  std::vector<Passing> passings_;        ///< in order of their start
-  std::size_t num_over_ = 0;             ///< number of passings at the front that have ended
-  std::size_t num_bytes_ = 0;            ///< total of all photographs
+  std::vector<WaitingScan> scans_;  ///< in order of arrival
+  std::vector<Picture> pictures_;   ///< likewise
+  std::vector<Passing> passings_;   ///< in order of their start
+  std::size_t num_over_ = 0;        ///< number of passings at the front that have ended
+  std::size_t num_bytes_ = 0;       ///< total of all photographs
   std::optional<std::int64_t> last_picture_utime_;
 };
 

@@ -19,6 +19,11 @@
 namespace orchard::pose {
 namespace {
 
+// derived: a less likely history would move the mean path by less than a fiftieth of its distance
+// from it; the path is solved once for each.
+constexpr double kProbabilityMin = 0.02;
+constexpr std::size_t kHistoriesMax = 6;
+
 // physical: a vehicle passes a wall or a tree that reflects a signal within seconds, the signal's
 // additional path is a fraction of a chip of 293 m (Kaplan and Hegarty 2006, section 6.2), and a
 // larger one found is its own scale. How often is a weak Beta prior, in looks, so that a drive
@@ -107,6 +112,40 @@ constexpr double kStandingYawVariance = 1e-12;
 
 }  // namespace
 
+void DisplacementHistories::begin(std::int64_t utime, bool is_gnss) {
+  for (DisplacementHistory& history : all_) history.displaced.push_back({utime, utime, is_gnss});
+}
+
+void DisplacementHistories::extend(std::int64_t utime) {
+  for (DisplacementHistory& history : all_) history.displaced.back().end_utime = utime;
+}
+
+void DisplacementHistories::merge(const DisplacementHistories& other, double odds) {
+  for (DisplacementHistory& history : all_) history.probability /= 1.0 + odds;
+  for (const DisplacementHistory& history : other.all_) {
+    const double probability = history.probability * odds / (1.0 + odds);
+    const auto same = std::find_if(all_.begin(), all_.end(), [&](const DisplacementHistory& known) {
+      return known.displaced == history.displaced;
+    });
+    if (same != all_.end()) {
+      same->probability += probability;
+    } else if (probability >= kProbabilityMin) {
+      all_.push_back({probability, history.displaced});
+    }
+  }
+  std::stable_sort(all_.begin(), all_.end(),
+                   [](const DisplacementHistory& a, const DisplacementHistory& b) {
+                     return a.probability > b.probability;
+                   });
+  while (all_.size() > 1 &&
+         (all_.size() > kHistoriesMax || all_.back().probability < kProbabilityMin)) {
+    all_.pop_back();
+  }
+  double sum = 0.0;
+  for (const DisplacementHistory& history : all_) sum += history.probability;
+  for (DisplacementHistory& history : all_) history.probability /= sum;
+}
+
 FixHypotheses::FixHypotheses(const FusionConfig& config) {
   all_.push_back({FusionFilter(config), 0.0, false, true, {}, 0.0, 0.0, 0.0});
 }
@@ -137,7 +176,7 @@ void FixHypotheses::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d&
   displaced.log_weight = std::log(fraction);
   displaced.is_displaced = true;
   displaced.displaces_gnss = is_gnss;
-  displaced.displaced.push_back({utime, utime, is_gnss});
+  displaced.histories.begin(utime, is_gnss);
   displaced.filter.inflate_covariance(geometry::square(kDisplacedSd_m), 0.0);
   displaced.filter.begin_displacement(geometry::square(kDisplacedSd_m));
   all_.push_back(std::move(displaced));
@@ -235,7 +274,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
         h.is_displaced = true;
         h.filter.begin_displacement(branch.variance);
         h.displaces_gnss = observation.is_gnss;
-        h.displaced.push_back({utime, utime, observation.is_gnss});
+        h.histories.begin(utime, observation.is_gnss);
         break;
       case Event::kMoves:
         h.filter.inflate_covariance(branch.variance, branch.yaw_variance);
@@ -250,7 +289,7 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     h.looks += look;
     if (is_displaced) {
       h.displaced_looks += look;
-      h.displaced.back().end_utime = utime;
+      h.histories.extend(utime);
     } else {
       h.travel_m = 0.0;
     }
@@ -260,13 +299,26 @@ void FixHypotheses::correct(const PositionObservation& observation, std::int64_t
     if (same == next.end()) {
       next.push_back(std::move(h));
     } else {
-      same->log_weight += std::log1p(std::exp(h.log_weight - same->log_weight));
+      const double odds = std::exp(h.log_weight - same->log_weight);
+      same->histories.merge(h.histories, odds);
+      same->log_weight += std::log1p(odds);
     }
   }
   std::stable_sort(next.begin(), next.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.log_weight > b.log_weight;
   });
   all_ = std::move(next);
+}
+
+std::vector<DisplacementHistory> FixHypotheses::histories() const {
+  DisplacementHistories together = best().histories;
+  double weight = 1.0;
+  for (std::size_t i = 1; i < all_.size(); ++i) {
+    const double added = std::exp(all_[i].log_weight - best().log_weight);
+    together.merge(all_[i].histories, added / weight);
+    weight += added;
+  }
+  return together.all();
 }
 
 PoseEstimate FixHypotheses::estimate(std::int64_t utime) const {
@@ -321,7 +373,7 @@ void mark_displaced_fixes(SlamGraph& graph) {
       hypotheses.correct(distance, position.utime);
     }
   }
-  mark_displaced(hypotheses.best().displaced, graph);
+  mark_displaced(hypotheses.best().histories.likeliest(), graph);
 }
 
 }  // namespace orchard::pose

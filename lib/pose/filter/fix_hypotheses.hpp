@@ -16,6 +16,40 @@ struct DisplacedTime {
   std::int64_t begin_utime = 0;
   std::int64_t end_utime = 0;  ///< of the last displaced position
   bool is_gnss = true;
+
+  friend bool operator==(const DisplacedTime& a, const DisplacedTime& b) {
+    return a.begin_utime == b.begin_utime && a.end_utime == b.end_utime && a.is_gnss == b.is_gnss;
+  }
+};
+
+/// One account of when positions were displaced.
+struct DisplacementHistory {
+  double probability = 1.0;
+  std::vector<DisplacedTime> displaced;  ///< ascending
+};
+
+/// The credible histories that led to one and the same present.
+///
+/// What comes later cannot tell them apart, so that their probabilities stay as they are.
+class DisplacementHistories {
+ public:
+  /// Returns all, the likeliest first; their probabilities sum to 1.
+  const std::vector<DisplacementHistory>& all() const { return all_; }
+
+  const std::vector<DisplacedTime>& likeliest() const { return all_.front().displaced; }
+
+  /// Begins a displaced time in every history.
+  void begin(std::int64_t utime, bool is_gnss);
+
+  /// Extends the newest displaced time of every history; each must have one.
+  void extend(std::int64_t utime);
+
+  /// Takes in the histories of another account of the same present, with the odds of that against
+  /// this.
+  void merge(const DisplacementHistories& other, double odds);
+
+ private:
+  std::vector<DisplacementHistory> all_{DisplacementHistory{}};
 };
 
 /// Bank of filters, one for each credible history of which positions were displaced.
@@ -34,9 +68,9 @@ class FixHypotheses {
     double log_weight = 0.0;
     bool is_displaced = false;
     bool displaces_gnss = true;  ///< the source of the present displacement, if there is one
-    std::vector<DisplacedTime> displaced;  ///< ascending
-    double travel_m = 0.0;                 ///< since the last direct position
-    double looks = 0.0;                    ///< independent looks at whether positions are displaced
+    DisplacementHistories histories;
+    double travel_m = 0.0;  ///< since the last direct position
+    double looks = 0.0;     ///< independent looks at whether positions are displaced
     double displaced_looks = 0.0;
   };
 
@@ -64,6 +98,9 @@ class FixHypotheses {
   void split_unknown_headings(double variance);
 
   void correct(const PositionObservation& observation, std::int64_t utime);
+
+  /// Returns the credible histories of all hypotheses, the likeliest first.
+  std::vector<DisplacementHistory> histories() const;
 
   /// Returns the pose of the likeliest, with the mean square deviation of all from it.
   PoseEstimate estimate(std::int64_t utime) const;

@@ -116,7 +116,7 @@ void Fusion::add(const Odometry& odometry) {
   odometry_ = odometry;
   if (smoother_) {
     smoother_->add(last_measured_motion(), path_pose());
-    if (const auto pose = smoother_->observe(hypotheses_.best().displaced)) {
+    if (const auto pose = smoother_->observe(hypotheses_.best().histories.likeliest())) {
       // With an IMU the turns come from the gyro and do not show the wheels' errors.
       const auto changes = smoother_->wheel_error_noise();
       for (FixHypotheses::Hypothesis& h : hypotheses_.all()) {
@@ -211,7 +211,7 @@ void Fusion::use_position(const PositionObservation& observation) {
   hypotheses_.correct(observation, *utime_);
   if (!is_placed_) start(observation);
   if (!is_placed_ || !is_displaced()) return;
-  const DisplacedTime& displaced = hypotheses_.best().displaced.back();
+  const DisplacedTime& displaced = hypotheses_.best().histories.likeliest().back();
   note(fmt::format("{} {:.1f} m from any possible position of the robot: ignored for {:.1f} s",
                    displaced.is_gnss ? "GNSS is" : "POSE_FIX is", filter().off_m(observation),
                    timing::seconds(*utime_ - displaced.begin_utime)));
@@ -304,7 +304,7 @@ std::optional<Trajectory> Fusion::take_correction() {
 
 void Fusion::finish() {
   is_finished_ = true;
-  if (smoother_) smoother_->finish(hypotheses_.best().displaced);
+  if (smoother_) smoother_->finish(hypotheses_.histories());
 }
 
 void Fusion::add(const PoseFix& fix) {
@@ -409,6 +409,12 @@ std::string Fusion::warning() const {
     if (const std::string left_out = smoother_ ? rejected_fixes_text(smoother_->left_out()) : "";
         !left_out.empty()) {
       all += left_out + "; ";
+    }
+    if (smoother_ && smoother_->open_sd_m() > 0.0) {
+      all += fmt::format(
+          "it is open which positions were displaced, e.g. by reflected signals: the path is the "
+          "mean of several, {:.1f} m apart (one sigma) where they differ most; ",
+          smoother_->open_sd_m());
     }
     if (num_frozen_ > 0)
       all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);

@@ -19,6 +19,11 @@
 namespace orchard::pose {
 namespace {
 
+Eigen::Vector3d off(const PoseEstimate& pose, const PoseEstimate& from) {
+  return {pose.x_m - from.x_m, pose.y_m - from.y_m,
+          geometry::wrap_angle_rad(pose.yaw_rad - from.yaw_rad)};
+}
+
 // derived: between keyframes the path follows the wheels, which err by millimetres over so little;
 // the path is solved when it has grown by a tenth, so that the cost per metre stays constant.
 constexpr double kKeyframeTravel_m = 1.5;
@@ -44,6 +49,52 @@ SlamConfig graph_config(const PoseConfig& config) {
 }
 
 }  // namespace
+
+std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths) {
+  double sum = 0.0;
+  for (const CrediblePath& path : paths) sum += path.probability;
+  std::vector<PoseEstimate> mixed = paths.front().poses;
+  for (std::size_t i = 0; i < mixed.size(); ++i) {
+    PoseEstimate& pose = mixed[i];
+    const PoseEstimate first = pose;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const CrediblePath& path : paths) {
+      mean += path.probability / sum * off(path.poses[i], first);
+    }
+    pose.x_m += mean.x();
+    pose.y_m += mean.y();
+    pose.yaw_rad = geometry::wrap_angle_rad(pose.yaw_rad + mean.z());
+    pose.covariance = {};
+    for (const CrediblePath& path : paths) {
+      const Eigen::Vector3d d = off(path.poses[i], first) - mean;
+      const auto& own = path.poses[i].covariance;
+      const double spread[] = {d.x() * d.x(), d.x() * d.y(), d.x() * d.z(),
+                               d.y() * d.y(), d.y() * d.z(), d.z() * d.z()};
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        pose.covariance[k] += path.probability / sum * (own[k] + spread[k]);
+      }
+    }
+  }
+  return mixed;
+}
+
+double notable_spread_m(const std::vector<CrediblePath>& paths) {
+  std::vector<CrediblePath> exact = paths;
+  for (CrediblePath& path : exact) {
+    for (PoseEstimate& pose : path.poses) pose.covariance = {};
+  }
+  double largest2 = 0.0;
+  const std::vector<PoseEstimate> spread = mean_path(exact);
+  for (std::size_t i = 0; i < spread.size(); ++i) {
+    const auto position_variance = [](const PoseEstimate& pose) {
+      return pose.covariance[0] + pose.covariance[3];
+    };
+    const double own2 = position_variance(paths.front().poses[i]);
+    const double among2 = position_variance(spread[i]);
+    if (among2 > own2) largest2 = std::max(largest2, among2);
+  }
+  return std::sqrt(largest2);
+}
 
 PathSmoother::PathSmoother(const PoseConfig& config)
     : config_(graph_config(config)), motion_(config_) {
@@ -127,14 +178,22 @@ std::optional<SmoothedPose> PathSmoother::observe(const std::vector<DisplacedTim
   return pose;
 }
 
-void PathSmoother::finish(const std::vector<DisplacedTime>& displaced) {
+void PathSmoother::finish(const std::vector<DisplacementHistory>& histories) {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return;
   const Keyframe& last = graph_.keyframes.back();
   if (motion_.utime() > last.utime) {
     add_keyframe(geometry::compose(last.T_map_base,
                                    motion_.motion().delta_with(graph_.calibrations.back())));
   }
-  solve(displaced);
+  if (!solve(histories.front().displaced)) return;
+  const SlamGraph likeliest = graph_;
+  std::vector<CrediblePath> paths{{histories.front().probability, path()}};
+  for (std::size_t i = 1; i < histories.size(); ++i) {
+    if (solve(histories[i].displaced)) paths.push_back({histories[i].probability, path()});
+    graph_ = likeliest;
+  }
+  mean_ = mean_path(paths);
+  open_sd_m_ = notable_spread_m(paths);
 }
 
 /// Spreads the difference between dead reckoning over a gap and the pose behind it along the way:
@@ -228,11 +287,17 @@ std::optional<Trajectory> PathSmoother::take_correction() {
   Trajectory trajectory;
   trajectory.utime = motion_.utime();
   trajectory.revision = ++revision_;
-  trajectory.poses.reserve(graph_.keyframes.size());
-  for (const Keyframe& k : graph_.keyframes) {
-    trajectory.poses.push_back(pose_estimate(k.utime, k.T_map_base, k.covariance));
-  }
+  trajectory.poses = mean_.empty() ? path() : mean_;
   return trajectory;
+}
+
+std::vector<PoseEstimate> PathSmoother::path() const {
+  std::vector<PoseEstimate> poses;
+  poses.reserve(graph_.keyframes.size());
+  for (const Keyframe& k : graph_.keyframes) {
+    poses.push_back(pose_estimate(k.utime, k.T_map_base, k.covariance));
+  }
+  return poses;
 }
 
 }  // namespace orchard::pose

@@ -16,6 +16,23 @@
 
 namespace orchard::pose {
 
+/// One credible path.
+struct CrediblePath {
+  double probability = 1.0;
+  std::vector<PoseEstimate> poses;
+};
+
+/// Returns the mean of credible paths over the same times, with the covariance of their mixture: of
+/// all estimates it has the smallest expected squared error.
+///
+/// Paths: one or more, of equally many poses; probabilities need not sum to 1. Headings are
+/// averaged about those of the first, the likeliest.
+std::vector<PoseEstimate> mean_path(const std::vector<CrediblePath>& paths);
+
+/// Returns the largest standard deviation of these paths' positions about their mean [m]; 0 unless
+/// it exceeds what the likeliest, the first, says of its own position there.
+double notable_spread_m(const std::vector<CrediblePath>& paths);
+
 /// Present pose of base by all positions so far, and the latest receiver error.
 struct SmoothedPose {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
@@ -46,8 +63,9 @@ class PathSmoother {
   /// path contradicts the newest position. Displaced positions are left out.
   std::optional<SmoothedPose> observe(const std::vector<DisplacedTime>& displaced);
 
-  /// Solves with all measurements, at the end of the drive, without what was displaced.
-  void finish(const std::vector<DisplacedTime>& displaced);
+  /// Solves with all measurements, at the end of the drive, by each of these histories, the
+  /// likeliest first: the path is the mean of theirs.
+  void finish(const std::vector<DisplacementHistory>& histories);
 
   std::optional<Trajectory> take_correction();
 
@@ -57,12 +75,17 @@ class PathSmoother {
   /// Returns the fixes that contradict the path of the last solve.
   RejectedFixes left_out() const { return rejected_fixes(graph_); }
 
+  /// Returns how far the paths by equally credible histories lie apart at the end: their standard
+  /// deviation where it is largest [m]; 0 if they are as one.
+  double open_sd_m() const { return open_sd_m_; }
+
  private:
   void close_gap();
   bool is_plausible() const;
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
   bool solve(const std::vector<DisplacedTime>& displaced);
+  std::vector<PoseEstimate> path() const;
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< motion since the newest keyframe
@@ -74,6 +97,8 @@ class PathSmoother {
   std::size_t before_gap_ = 0;          ///< the last keyframe before that gap
   std::int32_t revision_ = 0;
   bool corrected_ = false;
+  std::vector<PoseEstimate> mean_;  ///< of the paths of all histories, at the end
+  double open_sd_m_ = 0.0;
 };
 
 }  // namespace orchard::pose

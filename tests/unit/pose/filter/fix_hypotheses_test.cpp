@@ -12,6 +12,59 @@
 namespace orchard::pose {
 namespace {
 
+// Truth: probabilities by Bayes' rule, worked by hand.
+
+DisplacementHistories displaced_once(std::int64_t begin_utime, std::int64_t end_utime) {
+  DisplacementHistories histories;
+  histories.begin(begin_utime, true);
+  histories.extend(end_utime);
+  return histories;
+}
+
+TEST(DisplacementHistories, AMergeKeepsBothByTheirOdds) {
+  DisplacementHistories histories = displaced_once(0, 5);
+  histories.merge(DisplacementHistories(), 0.5);
+  ASSERT_EQ(histories.all().size(), 2U);
+  EXPECT_DOUBLE_EQ(histories.all()[0].probability, 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(histories.all()[1].probability, 1.0 / 3.0);
+  EXPECT_EQ(histories.likeliest().size(), 1U);
+}
+
+TEST(DisplacementHistories, TheSameHistoryOnTwoWaysAddsUp) {
+  DisplacementHistories histories = displaced_once(0, 5);
+  histories.merge(DisplacementHistories(), 0.5);
+  histories.merge(DisplacementHistories(), 1.0);
+  ASSERT_EQ(histories.all().size(), 2U);
+  EXPECT_TRUE(histories.likeliest().empty());
+  EXPECT_DOUBLE_EQ(histories.all()[0].probability, 1.0 / 6.0 + 1.0 / 2.0);
+}
+
+TEST(DisplacementHistories, WhatComesLaterBelongsToEach) {
+  DisplacementHistories histories = displaced_once(0, 5);
+  histories.merge(DisplacementHistories(), 0.5);
+  histories.begin(20, false);
+  histories.extend(30);
+  const DisplacedTime later{20, 30, false};
+  for (const DisplacementHistory& history : histories.all()) {
+    EXPECT_EQ(history.displaced.back(), later);
+  }
+  EXPECT_EQ(histories.all()[0].displaced.size(), 2U);
+  EXPECT_EQ(histories.all()[1].displaced.size(), 1U);
+}
+
+TEST(DisplacementHistories, TheUnlikelyIsForgottenAndTheRestSumsToOne) {
+  DisplacementHistories histories;
+  for (int i = 1; i <= 30; ++i) histories.merge(displaced_once(i, i + 1), 0.2);
+  double sum = 0.0;
+  for (const DisplacementHistory& history : histories.all()) sum += history.probability;
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_LT(histories.all().size(), 10U);
+  histories.merge(displaced_once(99, 100), 1e-3);
+  for (const DisplacementHistory& history : histories.all()) {
+    EXPECT_NE(history.displaced.front().begin_utime, 99);
+  }
+}
+
 // Truth: a robot on a straight line with exact wheels, and positions with the noise that they
 // state; some are displaced by a constant.
 
@@ -75,7 +128,7 @@ TEST(FixHypotheses, DirectPositionsAreNeverLeftOut) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Drive drive(seed);
     drive.on(60.0, none);
-    EXPECT_TRUE(drive.hypotheses.best().displaced.empty()) << "seed " << seed;
+    EXPECT_TRUE(drive.hypotheses.best().histories.likeliest().empty()) << "seed " << seed;
     EXPECT_LT(drive.error_m(), 0.5);
   }
 }
@@ -86,7 +139,7 @@ TEST(FixHypotheses, AReflectionIsKnownFromItsFirstToItsLastPosition) {
     drive.on(20.0, none);
     const std::int64_t begin = drive.utime;
     drive.on(30.0, [](double t_s) { return Eigen::Vector2d(t_s < 6.0 ? 8.0 : 0.0, 0.0); });
-    const auto& displaced = drive.hypotheses.best().displaced;
+    const auto& displaced = drive.hypotheses.best().histories.likeliest();
     ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
     EXPECT_EQ(displaced[0].begin_utime, begin + 200'000);
     EXPECT_EQ(displaced[0].end_utime, begin + 6'000'000);
@@ -106,11 +159,48 @@ TEST(FixHypotheses, LaterPositionsTellThatTheFirstAfterAGapWereReflected) {
     EXPECT_FALSE(drive.hypotheses.best().is_displaced) << "seed " << seed;
     // Then they stay where a displacement rarely lasts.
     drive.on(60.0, none);
-    const auto& displaced = drive.hypotheses.best().displaced;
+    const auto& displaced = drive.hypotheses.best().histories.likeliest();
     ASSERT_EQ(displaced.size(), 1U) << "seed " << seed;
     EXPECT_GT(displaced[0].begin_utime, begin);
     EXPECT_EQ(displaced[0].end_utime, begin + 3'000'000);
     EXPECT_LT(drive.error_m(), 0.6);
+  }
+}
+
+/// Returns the probability of all histories with a displaced time that begins within these.
+double probability_displaced(const FixHypotheses& hypotheses, std::int64_t from, std::int64_t to) {
+  double sum = 0.0;
+  for (const DisplacementHistory& history : hypotheses.histories()) {
+    for (const DisplacedTime& time : history.displaced) {
+      if (time.begin_utime > from && time.begin_utime <= to) {
+        sum += history.probability;
+        break;
+      }
+    }
+  }
+  return sum;
+}
+
+TEST(FixHypotheses, WhatPositionsCannotDecideStaysOpenForGood) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Drive drive(seed);
+    drive.on(20.0, none);
+    drive.gap(15.0);
+    const std::int64_t first = drive.utime;
+    drive.on(10.0, [](double) { return Eigen::Vector2d(4.0, 4.0); });
+    const std::int64_t second = drive.utime;
+    drive.on(10.0, [](double) { return Eigen::Vector2d(-4.0, -4.0); });
+    // As long, and as far from what the wheels say: one of both was reflected.
+    for (const bool later : {false, true}) {
+      if (later) {  // after one more gap the present no longer depends on it
+        drive.gap(100.0);
+        drive.on(60.0, none);
+      }
+      const double p_first = probability_displaced(drive.hypotheses, first, second);
+      const double p_second = probability_displaced(drive.hypotheses, second, second + 10'000'000);
+      EXPECT_GT(p_first, 0.1) << "seed " << seed << (later ? ", later" : "");
+      EXPECT_GT(p_second, 0.1) << "seed " << seed << (later ? ", later" : "");
+    }
   }
 }
 

@@ -80,4 +80,25 @@ MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmar
                                    const AlignmentSearch& search = {},
                                    const std::optional<geometry::Pose2>& guess = {});
 
+/// Tables 1 (trees) and 2 (non-tree objects) of Shalal et al. 2013 as text, with an additional
+/// column for the error against truth. The last line of each table has means and RMS. Lengths in
+/// mm. Lines end with a newline.
+std::string paper_tables(const MapEvaluation& evaluation);
+
+/// Summary for the user in a few lines: objects found, missed, confused and extra, and their
+/// errors.
+std::string evaluation_summary(const MapEvaluation& evaluation);
+
+/// The whole evaluation as one JSON object. Lengths in m.
+std::string evaluation_json(const MapEvaluation& evaluation);
+
+/// Number of errors, their mean, root mean square and max [m], as an object of any JSON type.
+template <class Json>
+Json errors_json(const ErrorSummary& summary) {
+  return {{"n", summary.num},
+          {"mean_m", summary.mean_m},
+          {"rms_m", summary.rms_m},
+          {"max_m", summary.max_m}};
+}
+
 }  // namespace orchard::evaluation

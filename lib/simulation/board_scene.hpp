@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "calibration/board/board.hpp"
-#include "calibration/board/board_pattern.hpp"
-#include "calibration/board/grey_picture.hpp"
 #include "geometry/camera_model.hpp"
 #include "laser/scan.hpp"
 #include "simulation/random.hpp"

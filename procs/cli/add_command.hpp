@@ -26,6 +26,24 @@ CLI::App& add_subcommand(CLI::App& app, const char* name, const char* descriptio
 /// Calls `callback` if the command line ends with this command, without a subcommand.
 void on_command(CLI::App& command, std::function<void()> callback);
 
+/// "orchard log info" for the command `info` of `log`.
+std::string title_of(const CLI::App& command);
+
+/// The program that has a command: `orchard`, or a companion.
+const char* program_of(const CLI::App& command);
+
+/// Replaces this process by `program` from the same folder, with the same arguments; does not
+/// return. Throws io::FileError when it cannot be started.
+[[noreturn]] int replace_by_program(const char* program);
+
+/// Runs a command. All programs parse the same command line. A function that is not linked into
+/// this program (its declaration is weak) runs in the one that has it, so that the mapping program
+/// neither builds nor loads the code of calibration, import and reports.
+template <class Options>
+int run_command(const CLI::App& command, int (*function)(const Options&), const Options& options) {
+  return function ? function(options) : replace_by_program(program_of(command));
+}
+
 /// Adds a subcommand with its options. The options live in a closure on the heap, as long as the
 /// App that fills them.
 template <class Options>
@@ -35,8 +53,8 @@ CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* des
   const auto options = std::make_shared<Options>();
   CLI::App& command = add_subcommand(app, name, description, examples);
   add_options(command, *options);
-  on_command(command, [&run, options, function] {
-    run = [options, function] { return function(*options); };
+  on_command(command, [&run, &command, options, function] {
+    run = [&command, options, function] { return run_command(command, function, *options); };
   });
   return command;
 }
@@ -56,21 +74,13 @@ template <class Value>
 CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi,
                          const char* description);
 
-// Functions that add the command groups defined in separate files.
+/// Adds all commands of `orchard`, in the order of its help.
+void add_all_commands(CLI::App& app, Run& run);
+
+// Its groups in separate files.
 void add_calibrate(CLI::App& app, Run& run);
-void add_calibrate_laser_camera(CLI::App& calibrate, Run& run);
-void add_compare(CLI::App& app, Run& run);
-void add_evaluate(CLI::App& app, Run& run);
-void add_export(CLI::App& app, Run& run);
 void add_farm(CLI::App& app, Run& run);
-void add_field(CLI::App& app, Run& run);
-void add_growers(CLI::App& app, Run& run);
-void add_import_edits(CLI::App& app, Run& run);
-void add_merge(CLI::App& app, Run& run);
-void add_plan(CLI::App& app, Run& run);
-void add_publish(CLI::App& app, Run& run);
-void add_report(CLI::App& app, Run& run);
-void add_view(CLI::App& app, Run& run);
+void add_map_commands(CLI::App& app, Run& run);
 
 /// Adds the options of map registration.
 void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& config);

@@ -18,7 +18,6 @@
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "cli/field/status_board.hpp"
-#include "cli/field/status_text.hpp"
 #include "io/file_error.hpp"
 #include "viewer/live_page.hpp"
 

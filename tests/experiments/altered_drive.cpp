@@ -11,7 +11,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/messages/message.hpp"
-#include "evaluation/trajectory/trajectory_evaluation.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
 #include "experiments/json_line.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/map_csv.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/board/camera_acceptance.hpp"
+#include "calibration/board/camera_calibration.hpp"
 #include "experiments/json_line.hpp"
 #include "io/config/config.hpp"
 #include "simulation/board_scene.hpp"

@@ -2,16 +2,76 @@
 #include "calibration/board/board.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
 #include <opencv2/aruco/charuco.hpp>
+#include <opencv2/aruco/dictionary.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
-#include "calibration/board/marker_dictionary.hpp"
+#include "vision/decode.hpp"
 
 namespace orchard::calibration {
+namespace {
+
+constexpr std::array<int, 4> kCounts{50, 100, 250, 1000};
+
+/// OpenCV's number of an ArUco dictionary by its name, such as "4x4_50"; none for an unknown name.
+std::optional<int> marker_dictionary(const std::string& name) {
+  // OpenCV numbers the dictionaries by bits, then by count.
+  static_assert(cv::aruco::DICT_4X4_50 == 0 && cv::aruco::DICT_7X7_1000 == 15);
+  for (int bits = 4; bits <= 7; ++bits) {
+    for (std::size_t i = 0; i < kCounts.size(); ++i) {
+      if (name ==
+          std::to_string(bits) + "x" + std::to_string(bits) + "_" + std::to_string(kCounts[i])) {
+        return 4 * (bits - 4) + static_cast<int>(i);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+/// Number of markers in the dictionary of this name; 0 for an unknown name.
+int marker_count(const std::string& name) {
+  const auto number = marker_dictionary(name);
+  return number ? kCounts[static_cast<std::size_t>(*number % 4)] : 0;
+}
+
+}  // namespace
+
+GreyPicture grey_of(const vision::PixelBlock& pixels) {
+  GreyPicture picture{pixels.area.width_px, pixels.area.height_px, {}};
+  if (pixels.area.empty()) return {};
+  picture.grey.resize(static_cast<std::size_t>(picture.width_px) *
+                      static_cast<std::size_t>(picture.height_px));
+  const cv::Mat bgr(picture.height_px, picture.width_px, CV_8UC3,
+                    const_cast<std::uint8_t*>(pixels.bgr.data()));
+  cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1, picture.grey.data());
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return picture;
+}
+
+std::optional<GreyPicture> grey_of(const vision::Image& image) {
+  if (image.width_px <= 0 || image.height_px <= 0) return std::nullopt;
+  if (image.encoding == vision::Encoding::kGray8) {
+    if (image.data.size() !=
+        static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px)) {
+      return std::nullopt;
+    }
+    return GreyPicture{image.width_px, image.height_px, image.data};
+  }
+  const auto pixels = vision::decode(image, {0, 0, image.width_px, image.height_px});
+  if (!pixels) return std::nullopt;
+  return grey_of(*pixels);
+}
+
 namespace {
 
 /// Min number of corners of a ChArUco board; fewer do not determine its pose well.
@@ -234,6 +294,79 @@ std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfi
 
 std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board) {
   return find_board(grey_of(pixels), board);
+}
+
+BoardPattern::BoardPattern(const BoardConfig& board) : board_(board), outline_(outline_of(board)) {
+  if (const auto problem = problem_with(board)) throw std::invalid_argument(*problem);
+  if (board.kind == BoardConfig::kChessboard) return;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(*marker_dictionary(board.dictionary));
+  marker_cells_ = dictionary->markerSize + 2;
+  for (int marker = 0; marker < board.columns * board.rows / 2; ++marker) {
+    const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(
+        dictionary->bytesList.rowRange(marker, marker + 1), dictionary->markerSize);
+    for (int row = 0; row < marker_cells_; ++row) {
+      for (int column = 0; column < marker_cells_; ++column) {
+        const bool border =
+            row == 0 || column == 0 || row == marker_cells_ - 1 || column == marker_cells_ - 1;
+        markers_.push_back(border ? 0 : bits.at<std::uint8_t>(row - 1, column - 1));
+      }
+    }
+  }
+}
+
+bool BoardPattern::marker_is_white(int marker, double column_fraction, double row_fraction) const {
+  const auto cell = [this](double fraction) {
+    return std::clamp(static_cast<int>(fraction * marker_cells_), 0, marker_cells_ - 1);
+  };
+  const int index =
+      (marker * marker_cells_ + cell(row_fraction)) * marker_cells_ + cell(column_fraction);
+  return markers_[static_cast<std::size_t>(index)] != 0;
+}
+
+std::optional<bool> BoardPattern::is_white(double x_m, double y_m) const {
+  if (!(x_m >= outline_.x_min_m && x_m <= outline_.x_max_m && y_m >= outline_.y_min_m &&
+        y_m <= outline_.y_max_m)) {
+    return std::nullopt;
+  }
+  // Squares are counted from the outermost one at the upper left, which is black.
+  const double across = x_m / board_.square_m + 1.0, down = y_m / board_.square_m + 1.0;
+  const int column = static_cast<int>(std::floor(across)), row = static_cast<int>(std::floor(down));
+  if (column < 0 || row < 0 || column > board_.corner_columns() || row > board_.corner_rows()) {
+    return true;
+  }
+  if ((column + row) % 2 == 0) return false;
+  if (board_.kind == BoardConfig::kChessboard) return true;
+  const double marker_fraction = board_.marker_m / board_.square_m;
+  const double column_fraction = (across - column - 0.5) / marker_fraction + 0.5;
+  const double row_fraction = (down - row - 0.5) / marker_fraction + 0.5;
+  if (column_fraction < 0.0 || column_fraction >= 1.0 || row_fraction < 0.0 || row_fraction >= 1.0)
+    return true;
+  // Markers are numbered by the white squares, row by row.
+  return marker_is_white((row * board_.columns + column) / 2, column_fraction, row_fraction);
+}
+
+std::vector<std::size_t> most_different(const std::vector<std::vector<double>>& places,
+                                        std::size_t count) {
+  std::vector<std::size_t> chosen(places.size());
+  std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+  if (places.size() <= count) return chosen;
+  chosen.clear();
+  std::vector<double> nearest2(places.size(), std::numeric_limits<double>::max());
+  for (std::size_t next = 0; chosen.size() < count;) {
+    chosen.push_back(next);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      double distance2 = 0.0;
+      for (std::size_t k = 0; k < places[i].size(); ++k) {
+        distance2 += (places[i][k] - places[next][k]) * (places[i][k] - places[next][k]);
+      }
+      nearest2[i] = std::min(nearest2[i], distance2);
+    }
+    next = static_cast<std::size_t>(std::max_element(nearest2.begin(), nearest2.end()) -
+                                    nearest2.begin());
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
 }
 
 }  // namespace orchard::calibration

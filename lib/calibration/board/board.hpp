@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "calibration/board/grey_picture.hpp"
+#include "vision/image.hpp"
 #include "vision/pixel_block.hpp"
 
 namespace orchard::calibration {
+
+/// A grey image: rows top-down, no padding.
+struct GreyPicture {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> grey;  ///< width_px x height_px
+};
+
+/// Converts decoded pixels to grey (Rec. 601, as OpenCV).
+GreyPicture grey_of(const vision::PixelBlock& pixels);
+
+/// Decodes an image of any encoding to grey. None when the bytes are no image of the stated size.
+std::optional<GreyPicture> grey_of(const vision::Image& image);
 
 /// Geometry and pattern of a flat calibration board.
 ///
@@ -67,5 +81,28 @@ struct BoardView {
 /// problem_with() rejects.
 std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfig& board);
 std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board);
+
+/// The printed pattern of a board: black or white at every point of its sheet.
+class BoardPattern {
+ public:
+  /// Throws std::invalid_argument for a board that problem_with() rejects.
+  explicit BoardPattern(const BoardConfig& board);
+
+  /// Whether a point (board frame [m]) is white; none outside the sheet.
+  std::optional<bool> is_white(double x_m, double y_m) const;
+
+ private:
+  bool marker_is_white(int marker, double column_fraction, double row_fraction) const;
+
+  BoardConfig board_;
+  BoardOutline outline_;
+  int marker_cells_ = 0;               ///< per side, black border included
+  std::vector<std::uint8_t> markers_;  ///< 1 = white, cell by cell, marker by marker
+};
+
+/// Indices of `count` places, in ascending order, each the farthest from those chosen before,
+/// beginning with the first; all if there are no more.
+std::vector<std::size_t> most_different(const std::vector<std::vector<double>>& places,
+                                        std::size_t count);
 
 }  // namespace orchard::calibration

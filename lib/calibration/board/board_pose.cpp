@@ -15,7 +15,6 @@ namespace orchard::calibration {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kClearlyWorse = 16.0;  ///< min increase of chi2 for a pose to be clearly worse
 
@@ -25,12 +24,6 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle < 1e-15) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-}
-
 /// Undistorted corners in normalized coordinates (z = 1).
 struct Corners {
   std::vector<Eigen::Vector2d> normalized;
@@ -38,18 +31,16 @@ struct Corners {
   double focal_px = 1.0;
 };
 
-/// Computes the sum of squares [px^2] and the normal equations of (rotation, shift); none if a
-/// corner is behind the camera.
-std::optional<double> linearize(const Corners& corners, const BoardPose& pose, Matrix6& normal,
-                                Vector6& gradient) {
-  normal.setZero();
-  gradient.setZero();
+/// Sets the pose's covariance for corners with a noise of 1 px; returns the sum of squares [px^2],
+/// infinite if a corner is behind the camera.
+double judge(const Corners& corners, BoardPose& pose) {
+  Matrix6 normal = Matrix6::Zero();
   double sum = 0.0;
   for (std::size_t i = 0; i < corners.board_m.size(); ++i) {
     const Eigen::Vector3d board(corners.board_m[i].x(), corners.board_m[i].y(), 0.0);
     const Eigen::Vector3d turned = pose.R_camera_board * board;
     const Eigen::Vector3d p = turned + pose.t_camera_board_m;
-    if (p.z() <= 1e-6) return std::nullopt;
+    if (p.z() <= 1e-6) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d error = corners.focal_px * (p.head<2>() / p.z() - corners.normalized[i]);
     Eigen::Matrix<double, 2, 3> projection;
     projection << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z();
@@ -58,47 +49,19 @@ std::optional<double> linearize(const Corners& corners, const BoardPose& pose, M
     jacobian.leftCols<3>() = -projection * cross_matrix(turned);
     jacobian.rightCols<3>() = projection;
     normal += jacobian.transpose() * jacobian;
-    gradient += jacobian.transpose() * error;
     sum += error.squaredNorm();
   }
+  pose.covariance = normal.ldlt().solve(Matrix6::Identity());
   return sum;
 }
 
-/// Refines a pose by damped Gauss-Newton. Returns the final sum of squares [px^2].
-double refine(const Corners& corners, BoardPose& pose) {
-  Matrix6 normal;
-  Vector6 gradient;
-  std::optional<double> sum = linearize(corners, pose, normal, gradient);
-  if (!sum) return std::numeric_limits<double>::infinity();
-  double damping = 1e-6;
-  for (int i = 0; i < 40; ++i) {
-    Matrix6 damped = normal;
-    damped.diagonal() *= 1.0 + damping;
-    const Vector6 step = -damped.ldlt().solve(gradient);
-    BoardPose next = pose;
-    next.R_camera_board = rotation_of(step.head<3>()) * pose.R_camera_board;
-    next.t_camera_board_m += step.tail<3>();
-    Matrix6 next_normal;
-    Vector6 next_gradient;
-    const auto next_sum = linearize(corners, next, next_normal, next_gradient);
-    if (next_sum && *next_sum <= *sum) {
-      const bool done = *sum - *next_sum <= 1e-12 * *sum + 1e-20;
-      pose = next;
-      normal = next_normal;
-      gradient = next_gradient;
-      sum = next_sum;
-      damping = std::max(1e-9, 0.1 * damping);
-      if (done) break;
-    } else {
-      damping *= 10.0;
-      if (damping > 1e6) break;
-    }
-  }
-  pose.covariance = normal.ldlt().solve(Matrix6::Identity());
-  return *sum;
-}
-
 }  // namespace
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle < 1e-15) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
 
 Eigen::Vector3d BoardPose::normal_camera() const {
   const Eigen::Vector3d z = R_camera_board.col(2);
@@ -142,9 +105,11 @@ std::optional<BoardPose> estimate_board_pose(const std::vector<Eigen::Vector2d>&
     const auto vector_of = [](const cv::Mat& m) {
       return Eigen::Vector3d(m.at<double>(0), m.at<double>(1), m.at<double>(2));
     };
+    cv::solvePnPRefineLM(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turns[i],
+                         shifts[i], {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 1e-12});
     pose.R_camera_board = rotation_of(vector_of(turns[i]));
     pose.t_camera_board_m = vector_of(shifts[i]);
-    const double sum = refine(corners, pose);
+    const double sum = judge(corners, pose);
     if (sum < best_sum) {
       const bool same = std::isfinite(best_sum) &&
                         best.R_camera_board.col(2).dot(pose.R_camera_board.col(2)) > 0.9999;

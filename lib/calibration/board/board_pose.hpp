@@ -28,6 +28,9 @@ struct BoardPose {
   double distance_m() const;
 };
 
+/// The rotation by |turn| [rad] about `turn`.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn);
+
 /// Estimates the pose of a board (z = 0, positions in metres) from its corners in an image [px].
 ///
 /// `corner_sd_px` is the noise of a corner in one coordinate; it scales the covariance. None for

@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibration/board/board_association.hpp"
+#include "calibration/board/board_pose.hpp"
 
 namespace orchard::calibration {
 
@@ -33,7 +35,6 @@ struct ExtrinsicsAdjustment {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double rms_m = 0.0;  ///< RMS distance of the laser's points from the boards
   int num_points = 0;
-  int num_edges = 0;
   double beam_factor = 1.0;      ///< ratio of estimated to stated noise of the beams
   double scan_factor = 1.0;      ///< the same ratio for whole scans
   double scan_redundancy = 0.0;  ///< degrees of freedom of scan_factor
@@ -57,5 +58,36 @@ std::optional<ExtrinsicsAdjustment> adjust_extrinsics(const std::vector<Adjustme
                                                       const RigidExtrinsics& start,
                                                       const RangeNoise& noise,
                                                       const BoardOutline* outline);
+
+/// Variety of the board poses, as needed for the observability of the laser-camera extrinsics.
+struct BoardMotion {
+  /// Standard deviations of the normals about their best plane and about their common direction
+  /// [rad]: out_of_plane is 0 when all normals lie in one plane, out_of_line when all are parallel.
+  double out_of_plane = 0.0;
+  double out_of_line = 0.0;
+  Eigen::Vector3d axis_camera = Eigen::Vector3d::UnitY();  ///< axis normal to that best plane
+  double tilt_max_deg = 0.0;                               ///< largest angle between two boards
+  double distance_min_m = 0.0;                             ///< distances of the board planes
+  double distance_max_m = 0.0;
+  double moved_m = 0.0;      ///< largest distance between two board origins
+  int num_orientations = 0;  ///< number that differ by more than their noise and 6 degrees
+};
+
+BoardMotion board_motion(const std::vector<BoardPose>& boards);
+
+/// Explains why a set of board poses does not determine the extrinsics, with the remedy; empty when
+/// it does.
+///
+/// A line in a board's plane constrains the translation only along the board's normal, so the
+/// normals must span space. If all normals lie in one plane, the translation normal to that plane
+/// is undetermined (for an upright board also two rotations); if all are parallel, two directions
+/// are. Needs no scan.
+std::string degenerate_motion(const BoardMotion& motion);
+
+/// Names the weakest direction if the covariance (as in ExtrinsicsAdjustment) exceeds the limits;
+/// empty when every standard deviation is within them.
+std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance,
+                                   double shift_sd_max_m, double turn_sd_max_rad,
+                                   const BoardMotion& motion);
 
 }  // namespace orchard::calibration

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -13,26 +14,7 @@
 namespace orchard::calibration {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using ViewStatus = LaserCameraView::ViewStatus;
-
-/// Jacobian of (delta, phi) with respect to (delta, rotation), by numeric differentiation.
-Matrix6 angles_jacobian(const RigidExtrinsics& mount) {
-  Matrix6 jacobian = Matrix6::Identity();
-  constexpr double kStep_rad = 1e-6;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto angles = [&](double turn_rad) {
-      const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::Unit(axis));
-      return geometry::paper_angles_rad(turn.toRotationMatrix() * mount.R_camera_laser);
-    };
-    const auto above = angles(kStep_rad), below = angles(-kStep_rad);
-    for (std::size_t k = 0; k < 3; ++k) {
-      jacobian(3 + static_cast<int>(k), 3 + axis) =
-          geometry::wrap_angle_rad(above[k] - below[k]) / (2.0 * kStep_rad);
-    }
-  }
-  return jacobian;
-}
 
 /// Half width of the 95 % interval of Student's t in standard deviations, by the Cornish-Fisher
 /// expansion; accurate to 1 % from 3 degrees of freedom on.
@@ -82,8 +64,7 @@ class Calibration {
              std::to_string(views_.size()) +
              " views with a board in the picture; hold the board where the scan plane cuts it";
     }
-    out_.motion = board_motion(boards);
-    const std::string degenerate = degenerate_motion(out_.motion);
+    const std::string degenerate = degenerate_motion(board_motion(boards));
     if (!degenerate.empty()) return degenerate;
 
     Association association = associate_board_lines(views_, outline_);
@@ -257,22 +238,18 @@ class Calibration {
     out_.mount = adjustment->mount;
     out_.rms_m = adjustment->rms_m;
     out_.covariance = adjustment->covariance;
-    out_.beam_factor = adjustment->beam_factor;
-    out_.scan_factor = adjustment->scan_factor;
     out_.interval95_factor = student_95(adjustment->scan_redundancy);
     for (int i = 0; i < 3; ++i) {
       out_.extrinsics.delta_m[static_cast<std::size_t>(i)] = out_.mount.delta_m[i];
     }
     out_.extrinsics.phi_rad = geometry::paper_angles_rad(out_.mount.R_camera_laser);
-    const Matrix6 jacobian = angles_jacobian(out_.mount);
-    out_.covariance_phi = jacobian * out_.covariance * jacobian.transpose();
     std::vector<BoardPose> boards;
     for (const std::size_t i : used) boards.push_back(views_[i].board);
-    out_.motion = board_motion(boards);
-    const std::string degenerate = degenerate_motion(out_.motion);
+    const BoardMotion motion = board_motion(boards);
+    const std::string degenerate = degenerate_motion(motion);
     if (!degenerate.empty()) return degenerate;
     return undetermined_direction(out_.covariance, options_.shift_sd_max_m,
-                                  options_.turn_sd_max_rad, out_.motion);
+                                  options_.turn_sd_max_rad, motion);
   }
 
   const std::vector<ExtrinsicsView>& views_;
@@ -306,6 +283,47 @@ LaserCameraCalibration calibrate_laser_camera(const std::vector<ExtrinsicsView>&
                                               const BoardOutline& outline,
                                               const LaserCameraOptions& options) {
   return Calibration(views, outline, options).run();
+}
+
+namespace {
+
+constexpr double kLargest_deg = 45.0;
+constexpr double kOtherSide_m = 0.05;
+
+double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle() * 180.0 / geometry::kPi;
+}
+
+/// The extrinsics that a calibration finds for a mirrored image: the two directions of the scan
+/// plane are mirrored, and the third completes the rotation.
+RigidExtrinsics mirrored(const RigidExtrinsics& mount, const Eigen::Vector3d& mirror) {
+  RigidExtrinsics seen;
+  seen.R_camera_laser = mirror.asDiagonal() * mount.R_camera_laser;
+  seen.R_camera_laser.col(2) *= -1.0;
+  seen.delta_m = mirror.asDiagonal() * mount.delta_m;
+  return seen;
+}
+
+}  // namespace
+
+std::string extrinsics_contradiction(const RigidExtrinsics& found, const RigidExtrinsics& stated) {
+  const double turned_deg = angle_deg(found.R_camera_laser, stated.R_camera_laser);
+  if (turned_deg > kLargest_deg) {
+    const RigidExtrinsics left_right = mirrored(stated, {-1.0, 1.0, 1.0});
+    if (angle_deg(found.R_camera_laser, left_right.R_camera_laser) < 0.5 * kLargest_deg) {
+      return "the pictures are mirrored left to right, or the camera is mounted upside down, in "
+             "contrast to camera.phi_rad (a scanner with one plane cannot distinguish them)";
+    }
+    return fmt::format("the camera is rotated by {:.0f} deg relative to camera.phi_rad",
+                       turned_deg);
+  }
+  const RigidExtrinsics top_bottom = mirrored(stated, {1.0, -1.0, 1.0});
+  const double off_m = (found.delta_m - stated.delta_m).norm();
+  if (off_m > kOtherSide_m && (found.delta_m - top_bottom.delta_m).norm() < 0.3 * off_m) {
+    return "the pictures are mirrored top to bottom, or the laser is on the other side of the "
+           "camera than camera.delta_m states (a scanner with one plane cannot distinguish them)";
+  }
+  return {};
 }
 
 }  // namespace orchard::calibration

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "calibration/board/board_association.hpp"
 #include "calibration/extrinsics/adjustment.hpp"
-#include "calibration/extrinsics/mean_scan.hpp"
-#include "calibration/extrinsics/observability.hpp"
+#include "calibration/extrinsics/stationary_views.hpp"
 #include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
 
@@ -52,14 +52,9 @@ struct LaserCameraCalibration {
   geometry::LaserCameraExtrinsics extrinsics;  ///< the same in the form of eqs. 1 and 2
   /// Covariance of (delta_m, rotation about the camera's axes [rad]).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  /// Covariance of (delta_m, phi_rad), to first order.
-  Eigen::Matrix<double, 6, 6> covariance_phi = Eigen::Matrix<double, 6, 6>::Zero();
   double interval95_factor = 1.96;  ///< half width of a 95 % interval in standard deviations
   double rms_m = 0.0;               ///< RMS distance of the used views' points from their boards
-  double beam_factor = 1.0;         ///< ratio of estimated to stated noise of the beams
-  double scan_factor = 1.0;         ///< the same ratio for whole scans
   int num_used = 0;
-  BoardMotion motion;
   std::vector<LaserCameraView> views;  ///< in the order given
 };
 
@@ -73,5 +68,14 @@ struct LaserCameraCalibration {
 LaserCameraCalibration calibrate_laser_camera(const std::vector<ExtrinsicsView>& views,
                                               const BoardOutline& outline,
                                               const LaserCameraOptions& options);
+
+/// Explains why estimated extrinsics contradict those stated in the rig's YAML; empty when they
+/// agree within 45 degrees.
+///
+/// A scanner sees one plane, so a mirrored image cannot be distinguished from a camera mounted the
+/// other way round: both give a proper rotation that explains every point. Only the stated
+/// extrinsics can decide: an image mirrored left to right looks like a camera upside down, one
+/// mirrored top to bottom like a laser on the other side of the camera.
+std::string extrinsics_contradiction(const RigidExtrinsics& found, const RigidExtrinsics& stated);
 
 }  // namespace orchard::calibration

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration/trunks/probability_learner.hpp"
+#include "calibration/trunks/trunk_model.hpp"
 #include "geometry/point_grid.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/landmark.hpp"
@@ -70,5 +71,11 @@ LandmarkSamples landmark_samples(const std::vector<detection::Detections>& messa
                                  const std::vector<pose::PoseEstimate>& trajectory,
                                  const LandmarkOutcomes& outcomes,
                                  const mapping::MapperConfig& config, int recording);
+
+/// The objects of one log as landmarks in map: tree, object, or unseen for a doubtful one. Standard
+/// errors are those of the mean of the object's observations. Objects without poses are left out.
+std::vector<mapping::Landmark> object_landmarks(const TrunkModel& model,
+                                                const std::vector<TrunkObservation>& observations,
+                                                int log);
 
 }  // namespace orchard::calibration

@@ -1,12 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "detection/detection.hpp"
 #include "detection/probability.hpp"
 
 namespace orchard::calibration {
+
+/// Observations for a multinomial logistic regression with three outcomes.
+struct MultinomialData {
+  Eigen::MatrixXd features;   ///< one column per observation
+  std::vector<int> outcomes;  ///< 0, 1 or 2; 2 is the reference with weights 0
+  std::vector<int> clusters;  ///< cluster of each; observations in a cluster are correlated
+};
+
+/// Weights of outcomes 0 and 1 (columns) per feature (rows), and their standard errors.
+struct MultinomialFit {
+  Eigen::MatrixXd weights;
+  Eigen::MatrixXd standard_errors;  ///< sandwich estimator over clusters
+};
+
+/// Fits the weights by maximum likelihood with a ridge penalty on all of them: Newton's method with
+/// step halving; the problem is convex, so it converges to the global minimum. Without observations
+/// all weights are 0.
+MultinomialFit fit_multinomial(const MultinomialData& data, double penalty,
+                               bool with_standard_errors = true);
 
 /// True class of a detection.
 enum class Outcome { kTree, kObject, kNeither };
@@ -70,5 +90,17 @@ struct ProbabilityLearnOptions {
 /// than 20 of anything else.
 ProbabilityFit learn_probability(const std::vector<ProbabilitySample>& samples,
                                  const ProbabilityLearnOptions& options);
+
+/// Wrong decisions on the same labelled detections.
+struct DecisionErrors {
+  int num = 0;          ///< detections that are labelled
+  int roc = 0;          ///< wrong with decision: roc
+  int probability = 0;  ///< wrong with decision: probability, by weights fitted without them
+};
+
+/// Compares both decisions of the detector. `samples` are detections of a detector with decision:
+/// roc, `fit` what learn_probability() made of them. What is UNSEEN is so with either.
+DecisionErrors decision_errors(const std::vector<ProbabilitySample>& samples,
+                               const ProbabilityFit& fit);
 
 }  // namespace orchard::calibration

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "evaluation/trajectory/trajectory_evaluation.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
 #include "simulation/scene/world.hpp"
 
 namespace orchard::io {

@@ -1,26 +1,259 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_camera.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
 
+#include "bus/messages/codec.hpp"
 #include "bus/process/process.hpp"
-#include "calibration/board/camera_acceptance.hpp"
-#include "calibration/board/view_selection.hpp"
-#include "cli/calibrate/board_views.hpp"
-#include "cli/rig/rig_camera.hpp"
+#include "calibration/board/camera_calibration.hpp"
+#include "cli/calibrate/calibration_run.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/camera_model.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/camera_import.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
 #include "io/figure/coverage_figure.hpp"
 #include "io/file_error.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/progress_bar.hpp"
+#include "io/recording/picture_file.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
+
+/// Detections of the board in the given pictures.
+struct BoardViews {
+  std::vector<calibration::NamedView> views;
+  std::vector<std::string> without_board;  ///< pictures without a detection
+  std::string source;                      ///< for the user: "23 pictures", "drive.lcm"
+  int width_px = 0;
+  int height_px = 0;
+};
+
+namespace fs = std::filesystem;
+
+/// Max number of pictures of a log to search: a board moves slowly, and each picture takes about 20
+/// ms.
+constexpr std::size_t kMaxSearched = 400;
+
+/// Searches pictures one by one and requires them to have equal size.
+class Search {
+ public:
+  Search(const calibration::BoardConfig& board, BoardViews& found) : board_(board), found_(found) {}
+
+  void add(const std::string& name, const calibration::GreyPicture& picture) {
+    if (first_name_.empty()) {
+      first_name_ = name;
+      found_.width_px = picture.width_px;
+      found_.height_px = picture.height_px;
+    } else if (picture.width_px != found_.width_px || picture.height_px != found_.height_px) {
+      throw io::FileError(name + ": its size is " + size(picture.width_px, picture.height_px) +
+                          " pixels, but that of " + first_name_ + " is " +
+                          size(found_.width_px, found_.height_px) +
+                          "; give pictures of one camera and one size");
+    }
+    if (auto view = calibration::find_board(picture, board_)) {
+      found_.views.push_back({name, std::move(*view)});
+    } else {
+      found_.without_board.push_back(name);
+    }
+  }
+
+ private:
+  static std::string size(int width_px, int height_px) {
+    return std::to_string(width_px) + " x " + std::to_string(height_px);
+  }
+
+  const calibration::BoardConfig& board_;
+  BoardViews& found_;
+  std::string first_name_;
+};
+
+std::vector<std::string> picture_files(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (!fs::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : fs::directory_iterator(path)) {
+      if (entry.is_regular_file() && io::has_picture_name(entry.path().string())) {
+        inside.push_back(entry.path().string());
+      }
+    }
+    if (inside.empty()) {
+      throw io::FileError(path +
+                          ": this folder has no pictures (.jpg, .jpeg, .png); give the folder with "
+                          "the pictures of the board");
+    }
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+void search_files(const std::vector<std::string>& files, Search& search, bool quiet) {
+  io::ProgressBar bar("looking for the board", !quiet);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto picture = calibration::grey_of(io::read_picture_file(files[i]));
+    if (!picture) {
+      throw io::FileError(files[i] + ": this picture is damaged; remove or replace it");
+    }
+    search.add(files[i], *picture);
+    bar.update(i + 1, files.size());
+  }
+}
+
+void search_log(const std::string& path, Search& search, bool quiet) {
+  const auto image_channel = bus::info(bus::Channel::kImage).name;
+  io::LogReader reader(path);
+  std::vector<std::uint64_t> offsets;
+  io::ProgressBar reading("reading " + path, !quiet);
+  while (const auto event = reader.next()) {
+    if (event->channel == image_channel) offsets.push_back(event->offset);
+    reading.update(reader.position(), reader.file_size());
+  }
+  reading.finish();
+  if (offsets.empty()) {
+    throw io::FileError(path + ": " +
+                        (reader.num_events() == 0 ? "this file is neither an LCM log nor a picture"
+                                                  : "this log has no IMAGE") +
+                        "; give pictures (.jpg, .png), a folder of them, or a log with " +
+                        std::string(image_channel));
+  }
+  io::ProgressBar bar("looking for the board", !quiet);
+  const std::size_t num = std::min(offsets.size(), kMaxSearched);
+  std::int64_t first_utime = 0;
+  int num_refused = 0;
+  for (std::size_t i = 0; i < num; ++i) {
+    const io::LogEvent event = reader.read_at(offsets[i * offsets.size() / num]);
+    const auto decoded = bus::decode(bus::Channel::kImage, event.data.data(), event.data.size());
+    const auto* message = std::get_if<bus::Message>(&decoded);
+    const auto picture = message ? calibration::grey_of(std::get<vision::Image>(*message))
+                                 : std::optional<calibration::GreyPicture>();
+    bar.update(i + 1, num);
+    if (!picture) {
+      ++num_refused;
+      continue;
+    }
+    const std::int64_t utime = bus::utime_of(*message);
+    if (first_utime == 0) first_utime = utime;
+    search.add(
+        path + " at " + fixed_text(1e-6 * static_cast<double>(utime - first_utime), 2) + " s",
+        *picture);
+  }
+  bar.finish();
+  if (num_refused > 0) {
+    std::fprintf(stderr, "orchard calibrate: warning: %s: %d of %zu pictures are damaged\n",
+                 path.c_str(), num_refused, num);
+  }
+}
+
+/// Detects the board in picture files, in folders of them, or in the IMAGE messages of one log (at
+/// most 400 of them, evenly spaced over the log). Throws io::FileError when a file cannot be read,
+/// the pictures differ in size, there are none, or none shows the board.
+BoardViews find_board_views(const std::vector<std::string>& paths,
+                            const calibration::BoardConfig& board, bool quiet) {
+  BoardViews found;
+  Search search(board, found);
+  const bool is_log =
+      paths.size() == 1 && fs::is_regular_file(paths[0]) && !io::has_picture_name(paths[0]);
+  if (is_log) {
+    search_log(paths[0], search, quiet);
+    found.source = fs::path(paths[0]).filename().string();
+  } else {
+    const std::vector<std::string> files = picture_files(paths);
+    search_files(files, search, quiet);
+    found.source = std::to_string(files.size()) + " pictures";
+  }
+  if (found.views.empty()) {
+    const bool chess = board.kind == calibration::BoardConfig::kChessboard;
+    throw io::FileError(
+        "no board was found in any of the " + std::to_string(found.without_board.size()) +
+        " pictures (the first is " + found.without_board.front() + "); show a " +
+        (chess ? "chessboard" : "ChArUco board") + " of " + std::to_string(board.columns) + " x " +
+        std::to_string(board.rows) + (chess ? " inner corners" : " squares") +
+        " (--columns, --rows) entirely in view, sharp and with a white margin");
+  }
+  return found;
+}
+
+/// Input and output files for writing a camera into a rig's YAML.
+struct RigTarget {
+  std::string config_path;  ///< rig to start from; empty: none
+  std::string out_path;     ///< empty: do not write
+};
+
+template <std::size_t N>
+std::string list(const std::array<double, N>& numbers, int digits) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < N; ++i) {
+    text += (i > 0 ? ", " : "") + fixed_text(numbers[i], digits);
+  }
+  return text + "]";
+}
+
+/// Resolves the options: --out is the file to write (default: --config, in place), --config the one
+/// to start from (default: --out when it exists). Throws io::ConfigError when that is not a rig's
+/// YAML.
+RigTarget rig_target(const std::string& config_path, const std::string& out_path) {
+  RigTarget target{config_path, out_path.empty() ? config_path : out_path};
+  if (target.config_path.empty() && std::filesystem::exists(target.out_path)) {
+    target.config_path = target.out_path;
+  }
+  if (!target.config_path.empty()) io::load_config(target.config_path);
+  return target;
+}
+
+/// Throws io::FileError when the picture size of the rig to start from differs from the camera's,
+/// unless `force`. `what` names the camera in the message.
+void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camera,
+                const std::string& what, bool force) {
+  if (force || target.config_path.empty()) return;
+  const io::Config config = io::load_config(target.config_path);
+  const geometry::CameraIntrinsics& rig = config.camera.intrinsics;
+  if (rig.width_px == camera.width_px && rig.height_px == camera.height_px) return;
+  throw io::FileError(
+      target.config_path + ": camera.width_px x height_px is " + std::to_string(rig.width_px) +
+      " x " + std::to_string(rig.height_px) + ", but the size of " + what + " is " +
+      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
+      "; give the configuration of this camera, correct its size, or replace it with --force");
+}
+
+/// The lens parameters as values for a rig's YAML.
+std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& camera) {
+  return {{"camera.width_px", std::to_string(camera.width_px)},
+          {"camera.height_px", std::to_string(camera.height_px)},
+          {"camera.fc_px", list(camera.fc_px, 3)},
+          {"camera.cc_px", list(camera.cc_px, 3)},
+          {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
+          {"camera.kc", list(camera.kc, 6)}};
+}
+
+/// Writes the lens parameters into the rig, with a note on their source. Throws io::FileError and
+/// io::ConfigError, and then leaves every file unchanged.
+void write_rig_camera(const RigTarget& target, const geometry::CameraIntrinsics& camera,
+                      const std::string& note, bool quiet) {
+  if (target.out_path.empty()) return;
+  write_rig(target.config_path, target.out_path, rig_values_of(camera), "orchard calibrate camera",
+            note, quiet);
+  if (!quiet && !target.config_path.empty()) {
+    std::printf(
+        "delta_m and phi_rad depend on the intrinsics: run `orchard calibrate laser-camera` "
+        "again\n");
+  }
+}
 
 using calibration::CameraCalibration;
 

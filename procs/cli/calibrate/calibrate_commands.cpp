@@ -4,10 +4,7 @@
 #include <string>
 
 #include "cli/add_command.hpp"
-#include "cli/calibrate/calibrate_camera.hpp"
-#include "cli/calibrate/calibrate_delay.hpp"
-#include "cli/calibrate/calibrate_probability.hpp"
-#include "cli/calibrate/calibrate_trunks.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -38,8 +35,7 @@ void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::
 }
 
 constexpr const char* kCameraExamples =
-    "  orchard calibrate camera pictures/ --columns 8 --rows 6 --square-m 0.03 --out "
-    "mine.yaml\n"
+    "  orchard calibrate camera pictures/ --columns 8 --rows 6 --square-m 0.03 --out mine.yaml\n"
     "  orchard calibrate camera board.lcm --board charuco --columns 7 --rows 5 --square-m 0.04 \\\n"
     "      --marker-m 0.03 --config config/tubes.yaml --out mine.yaml --coverage seen.png\n"
     "  orchard calibrate camera --import Calib_Results.m --out mine.yaml\n";
@@ -50,12 +46,10 @@ void add_camera(CLI::App& calibrate, Run& run) {
       "Measure the intrinsics of a camera from pictures of a board, check them, and write them "
       "into the rig's YAML",
       (std::string(kCameraExamples) +
-       "Input: about 20 pictures of the board, in every corner of the picture, tilted to all four "
-       "sides, near\n"
-       "and far. Output: camera.fc_px, cc_px, alpha_c and kc of the rig. A poor result is not "
-       "written: exit\n"
-       "code 3, with the views to add. --import reads Bouguet's Calib_Results.m, ROS camera_info\n"
-       "(plumb_bob) and OpenCV YAML instead.\n")
+       "Input: about 20 pictures of the board, in every corner of the picture, tilted to all\n"
+       "four sides, near and far. Output: camera.fc_px, cc_px, alpha_c and kc of the rig. A poor\n"
+       "result is not written: exit code 3, with the views to add. --import reads Bouguet's\n"
+       "Calib_Results.m, ROS camera_info (plumb_bob) and OpenCV YAML instead.\n")
           .c_str(),
       run_calibrate_camera, [](CLI::App& command, CalibrateCameraOptions& o) {
         add_value(command, "pictures", o.paths, "PICTURES...|LOG",
@@ -79,12 +73,59 @@ void add_camera(CLI::App& calibrate, Run& run) {
       });
 }
 
+void add_laser_camera(CLI::App& calibrate, Run& run) {
+  add_command<CalibrateLaserCameraOptions>(
+      calibrate, run, "laser-camera",
+      "Measure the pose of the laser relative to the camera from a log of a board, and write it "
+      "into the rig's YAML",
+      "  orchard calibrate laser-camera board.lcm --config rig.yaml --columns 7 --rows 5 \\\n"
+      "      --square-m 0.08 --board-width-m 0.72 --board-height-m 0.56 --out calibrated.yaml\n"
+      "  orchard calibrate laser-camera --import toolbox.txt --config rig.yaml --out mine.yaml\n"
+      "Input: a log with SCAN and IMAGE. Hold the board still for a second in 15 to 25 places\n"
+      "where the scan plane cuts it, near and far, tilted by 20 to 45 degrees to the left and\n"
+      "right, forward and back. Output: camera.delta_m and camera.phi_rad of the rig.\n",
+      run_calibrate_laser_camera, [](CLI::App& command, CalibrateLaserCameraOptions& o) {
+        add_value(command, "log", o.log_path, "LOG",
+                  "log of the board in view of laser and camera");
+        add_required(command, "--config", o.config_path, "FILE", "rig of the recording");
+        add_rig_to_write(command, o.out_path);
+        add_board_options(command, o.board, o.board_kind);
+        CLI::Option* width =
+            add_value(command, "--board-width-m", o.board_width_m, "M",
+                      "outer width of the whole board, with the pattern in its middle")
+                ->check(CLI::PositiveNumber);
+        CLI::Option* height = add_value(command, "--board-height-m", o.board_height_m, "M",
+                                        "outer height of the whole board")
+                                  ->check(CLI::PositiveNumber);
+        width->needs(height);
+        height->needs(width);
+        add_limited(command, "--max-views", o.max_views, 6, 200,
+                    "use at most this many views, the most different ones");
+        command.add_flag("--any-mount", o.any_mount,
+                         "accept a result that contradicts the extrinsics stated in the YAML");
+        add_value(command, "--import", o.import_path, "FILE",
+                  "import delta and phi as printed by Kassir and Peynot's toolbox, instead of LOG");
+        command
+            .add_option("--axes", o.import_axes,
+                        "axes of the laser in the imported file: toolbox (x left, y up, z forward) "
+                        "or orchard (x forward, y left, z up)")
+            ->check(CLI::IsMember({"toolbox", "orchard"}))
+            ->capture_default_str();
+        command
+            .add_option("--angles", o.import_angles,
+                        "unit of phi in the imported file, if the file does not state it")
+            ->check(CLI::IsMember({"stated", "deg", "rad"}))
+            ->capture_default_str();
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
+      });
+}
+
 const char* const kDelayExamples =
     "  orchard calibrate delay curves.lcm --config mine.yaml --out config/timed.yaml\n"
-    "Input: drives with ODOMETRY in curves to both sides past trunks. Output: camera.delay_s of "
+    "Input: drives with ODOMETRY in curves to both sides past trunks. Output: camera.delay_s of\n"
     "the rig.\n";
 
-void add_calibrate_delay(CLI::App& calibrate, Run& run) {
+void add_delay(CLI::App& calibrate, Run& run) {
   add_command<CalibrateDelayOptions>(
       calibrate, run, "delay",
       "Measure the delay from the exposure of a picture to its time stamp and write it into the "
@@ -103,7 +144,7 @@ void add_probability(CLI::App& calibrate, Run& run) {
       "  orchard calibrate probability drive.lcm --map out/drive --ids 4,8,10-31 --config "
       "mine.yaml\n"
       "  orchard calibrate probability a.lcm b.lcm --map out/a out/b --config mine.yaml\n"
-      "To judge by the probabilities, set detector.decision: probability and mapper.evidence: "
+      "To judge by the probabilities, set detector.decision: probability and mapper.evidence:\n"
       "probability.\n";
   add_command<CalibrateProbabilityOptions>(
       calibrate, run, "probability",
@@ -215,8 +256,8 @@ void add_calibrate(CLI::App& app, Run& run) {
         });
       });
   add_probability(*calibrate, run);
-  add_calibrate_laser_camera(*calibrate, run);
-  add_calibrate_delay(*calibrate, run);
+  add_laser_camera(*calibrate, run);
+  add_delay(*calibrate, run);
   calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples + kDelayExamples);
 }
 

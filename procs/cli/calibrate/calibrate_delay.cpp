@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_delay.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <set>
 #include <stdexcept>
 
 #include "bus/process/process.hpp"
-#include "bus/replay/in_process_replay.hpp"
+#include "cli/calibrate/calibration_run.hpp"
 #include "cli/calibrate/delay_collector.hpp"
 #include "geometry/angles.hpp"
 #include "io/config/config.hpp"
-#include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
-#include "io/progress_bar.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::cli {
@@ -39,15 +36,7 @@ Round observe_logs(const CalibrateDelayOptions& options, const io::Config& confi
   std::int32_t next_picture = 0;
   for (const std::string& path : options.log_paths) {
     DelayCollector collector(config, next_picture);
-    io::ProgressBar bar("reading logs", !options.quiet);
-    bus::ReplayOptions replay;
-    replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
-    const bus::ReplayReport report = bus::replay_in_process(path, {&collector}, replay);
-    bar.finish();
-    for (const std::string& warning : report.warnings) {
-      if (!warnings.insert(warning).second) continue;
-      std::fprintf(stderr, "orchard calibrate delay: warning: %s\n", warning.c_str());
-    }
+    replay_log("orchard calibrate delay", path, {&collector}, options.quiet, warnings);
     round.observations.insert(round.observations.end(), collector.observations().begin(),
                               collector.observations().end());
     round.num_pairs += collector.num_pairs();
@@ -122,17 +111,12 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
         estimate.offset_px, degrees(estimate.offset_px, config));
   }
 
-  std::string note = "standard error " + fixed_text(1e3 * estimate.se_s, 1) + " ms, " +
-                     std::to_string(estimate.num_observations) + " observations in " +
-                     std::filesystem::path(options.log_paths.front()).filename().string();
-  if (options.log_paths.size() > 1) {
-    note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
-  }
-  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  io::edit_config_file(options.config_path, out,
-                       {{"camera.delay_s", fixed_text(config.camera.delay_s, 4)}},
-                       "orchard calibrate delay", note);
-  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  const std::string note = "standard error " + fixed_text(1e3 * estimate.se_s, 1) + " ms, " +
+                           std::to_string(estimate.num_observations) + " observations in " +
+                           logs_text(options.log_paths);
+  write_rig(options.config_path, options.out_path,
+            {{"camera.delay_s", fixed_text(config.camera.delay_s, 4)}}, "orchard calibrate delay",
+            note, options.quiet);
   return bus::kExitOk;
 }
 

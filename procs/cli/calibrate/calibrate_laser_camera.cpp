@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_laser_camera.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 #include <fmt/core.h>
 #include <array>
@@ -7,21 +7,93 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
-#include "bus/replay/in_process_replay.hpp"
-#include "calibration/extrinsics/extrinsics_check.hpp"
+#include "calibration/board/board.hpp"
 #include "calibration/extrinsics/extrinsics_import.hpp"
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
-#include "cli/calibrate/board_collector.hpp"
+#include "calibration/extrinsics/stationary_views.hpp"
+#include "cli/calibrate/calibration_run.hpp"
+#include "detection/scan_image_pairer.hpp"
 #include "io/config/config.hpp"
-#include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
-#include "io/progress_bar.hpp"
 
 namespace orchard::cli {
 namespace {
+
+/// A node that detects a calibration board in a log's scan-image pairs; sends nothing.
+class BoardCollector : public bus::Node {
+ public:
+  BoardCollector(const io::Config& config, const calibration::BoardConfig& board)
+      : intrinsics_(config.camera.intrinsics),
+        board_(board),
+        pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s) {}
+
+  std::string_view name() const override { return "calibration"; }
+  std::vector<bus::Channel> inputs() const override {
+    return {bus::Channel::kScan, bus::Channel::kImage};
+  }
+  void handle(const bus::Message& input, const bus::Outbox&) override {
+    if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+      ++num_scans_;
+      for (const auto& pair : pairer_.add(*scan)) observe(pair);
+    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+      ++num_images_;
+      if (image->width_px != intrinsics_.width_px || image->height_px != intrinsics_.height_px) {
+        ++num_wrong_size_;
+        wrong_size_ = std::to_string(image->width_px) + "x" + std::to_string(image->height_px);
+        return;
+      }
+      for (const auto& pair : pairer_.add(*image)) observe(pair);
+    }
+  }
+  void flush(const bus::Outbox&) override {
+    for (const auto& pair : pairer_.flush()) observe(pair);
+  }
+
+  /// The pairs with the board in their picture, in order of time.
+  const std::vector<calibration::BoardPair>& pairs() const { return pairs_; }
+  int num_scans() const { return num_scans_; }
+  int num_images() const { return num_images_; }
+  int num_pairs() const { return num_pairs_; }
+  /// Number of unreadable pictures in pairs.
+  int num_unreadable() const { return num_unreadable_; }
+  /// Number of pictures with another size than configured.
+  int num_wrong_size() const { return num_wrong_size_; }
+  /// Size of the last of them, "640x480"; empty: none.
+  const std::string& wrong_size() const { return wrong_size_; }
+
+ private:
+  void observe(const detection::ScanImagePair& pair) {
+    if (!pair.image) return;
+    ++num_pairs_;
+    const auto grey = calibration::grey_of(*pair.image);
+    if (!grey) {
+      ++num_unreadable_;
+      return;
+    }
+    if (auto board = calibration::find_board(*grey, board_)) {
+      pairs_.push_back({pair.scan, std::move(*board)});
+    }
+  }
+
+  geometry::CameraIntrinsics intrinsics_;
+  calibration::BoardConfig board_;
+  detection::ScanImagePairer pairer_;
+  std::vector<calibration::BoardPair> pairs_;
+  int num_scans_ = 0;
+  int num_images_ = 0;
+  int num_pairs_ = 0;
+  int num_unreadable_ = 0;
+  int num_wrong_size_ = 0;
+  std::string wrong_size_;
+};
 
 using calibration::LaserCameraView;
 using calibration::RigidExtrinsics;
@@ -39,14 +111,8 @@ std::string three(const std::array<double, 3>& values) {
 std::vector<calibration::StationaryView> read_views(const CalibrateLaserCameraOptions& options,
                                                     const io::Config& config) {
   BoardCollector collector(config, options.board);
-  io::ProgressBar bar("looking for the board", !options.quiet);
-  bus::ReplayOptions replay;
-  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
-  const auto report = bus::replay_in_process(options.log_path, {&collector}, replay);
-  bar.finish();
-  for (const std::string& warning : report.warnings) {
-    std::fprintf(stderr, "orchard calibrate laser-camera: warning: %s\n", warning.c_str());
-  }
+  std::set<std::string> said;
+  replay_log("orchard calibrate laser-camera", options.log_path, {&collector}, options.quiet, said);
   const std::string& log = options.log_path;
   const auto& lens = config.camera.intrinsics;
   if (collector.num_wrong_size() > 0 && collector.num_wrong_size() < collector.num_images()) {
@@ -163,12 +229,10 @@ RigidExtrinsics mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
 
 void write(const CalibrateLaserCameraOptions& options,
            const geometry::LaserCameraExtrinsics& extrinsics, const std::string& note) {
-  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  io::edit_config_file(options.config_path, out,
-                       {{"camera.delta_m", three(extrinsics.delta_m)},
-                        {"camera.phi_rad", three(extrinsics.phi_rad)}},
-                       "orchard calibrate laser-camera", note);
-  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  write_rig(options.config_path, options.out_path,
+            {{"camera.delta_m", three(extrinsics.delta_m)},
+             {"camera.phi_rad", three(extrinsics.phi_rad)}},
+            "orchard calibrate laser-camera", note, options.quiet);
 }
 
 int import_file(const CalibrateLaserCameraOptions& options) {

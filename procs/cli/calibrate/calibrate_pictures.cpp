@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_pictures.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 #include <fmt/core.h>
 #include <cstdio>
@@ -9,8 +9,8 @@
 
 #include "bus/process/process.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
-#include "calibration/trunks/hue_interval.hpp"
-#include "cli/calibrate/appearance_values.hpp"
+#include "calibration/trunks/trunk_model.hpp"
+#include "cli/calibrate/calibration_run.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
@@ -98,14 +98,9 @@ int run_calibrate_pictures(const CalibratePicturesOptions& options) {
   std::vector<io::ConfigValue> values = appearance_values(fit.config);
   add_hue_interval(lessons.hues, values);
   const std::string note = note_of(fit, count, options);
-  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  if (options.config_path.empty()) {
-    io::write_file_atomically(out,
-                              io::edit_config("", out, values, "orchard calibrate trunks", note));
-  } else {
-    io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
-  }
-  if (!options.pictures.quiet) std::printf("%s\nwritten to %s\n", note.c_str(), out.c_str());
+  if (!options.pictures.quiet) std::printf("%s\n", note.c_str());
+  write_rig(options.config_path, options.out_path, values, "orchard calibrate trunks", note,
+            options.pictures.quiet);
   return bus::kExitOk;
 }
 

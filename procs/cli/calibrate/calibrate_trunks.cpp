@@ -1,52 +1,283 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/calibrate/calibrate_trunks.hpp"
+#include "cli/calibrate/calibrate.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
-#include "bus/replay/in_process_replay.hpp"
-#include "calibration/trunks/trunk_appearance.hpp"
+#include "calibration/trunks/landmark_outcomes.hpp"
+#include "calibration/trunks/probability_learner.hpp"
 #include "calibration/trunks/trunk_model.hpp"
+#include "calibration/trunks/trunk_observation.hpp"
 #include "calibration/trunks/trunk_selection.hpp"
-#include "cli/calibrate/appearance_values.hpp"
-#include "cli/calibrate/calibrate_pictures.hpp"
-#include "cli/calibrate/number_list.hpp"
-#include "cli/calibrate/picked_ids.hpp"
-#include "cli/calibrate/trunk_collector.hpp"
-#include "cli/calibrate/trunk_list.hpp"
+#include "cli/calibrate/calibration_run.hpp"
+#include "cli/evaluate/detection_log.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+#include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/map/map_csv.hpp"
-#include "io/progress_bar.hpp"
+#include "pose/pose_estimate.hpp"
 #include "pose/pose_node.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
 
+/// Min number of beams: the width of narrower objects is unreliable.
+constexpr int kMinBeams = 4;
+
+using geometry::Pose2;
+
+std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::int64_t utime,
+                             std::int64_t gap_max_us) {
+  const auto after = std::lower_bound(
+      poses.begin(), poses.end(), utime,
+      [](const pose::PoseEstimate& pose, std::int64_t t) { return pose.utime < t; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->utime == utime) return Pose2{after->x_m, after->y_m, after->yaw_rad};
+  if (after == poses.begin()) return std::nullopt;
+  const pose::PoseEstimate &a = *(after - 1), &b = *after;
+  if (b.utime - a.utime > gap_max_us) return std::nullopt;
+  const double fraction =
+      static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+  return Pose2{a.x_m + fraction * (b.x_m - a.x_m), a.y_m + fraction * (b.y_m - a.y_m),
+               a.yaw_rad + fraction * geometry::wrap_angle_rad(b.yaw_rad - a.yaw_rad)};
+}
+
+/// A node that collects all objects of a log's scan-image pairs for calibration; sends nothing.
+class TrunkCollector : public bus::Node {
+ public:
+  TrunkCollector(const io::Config& config, int log, bool crops = false)
+      : rig_(config.laser, config.camera, config.detector),
+        pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, false,
+                config.camera.delay_s),
+        pose_gap_max_us_(std::llround(config.mapper.pose_gap_max_s * 1e6)),
+        log_(log),
+        crops_(crops) {}
+
+  std::string_view name() const override { return "calibration"; }
+  std::vector<bus::Channel> inputs() const override {
+    std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kPose};
+    if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
+    return channels;
+  }
+  void handle(const bus::Message& input, const bus::Outbox&) override {
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
+      poses_.push_back(*pose);
+    } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+      if (!rig_.has_camera) return observe({*scan, nullptr, std::nullopt});
+      for (const auto& pair : pairer_.add(*scan)) observe(pair);
+    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+      for (const auto& pair : pairer_.add(*image)) observe(pair);
+    }
+  }
+  void flush(const bus::Outbox&) override {
+    for (const auto& pair : pairer_.flush()) observe(pair);
+  }
+
+  /// All observations in order of time; in the map frame where poses around their time are known.
+  std::vector<calibration::TrunkObservation> observations() const {
+    std::vector<calibration::TrunkObservation> observations = in_base_;
+    for (calibration::TrunkObservation& observation : observations) {
+      const auto T_map_base = pose_at(poses_, observation.utime, pose_gap_max_us_);
+      if (!T_map_base) continue;
+      const Eigen::Vector2d p_map = transform(*T_map_base, {observation.x_m, observation.y_m});
+      observation.x_m = p_map.x();
+      observation.y_m = p_map.y();
+      observation.in_map = true;
+    }
+    return observations;
+  }
+  /// All poses of the log, in order of time.
+  const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
+  int num_pairs() const { return num_pairs_; }
+
+ private:
+  void observe(const detection::ScanImagePair& pair) {
+    if (pair.image || !rig_.has_camera) ++num_pairs_;
+    calibration::ObserveOptions options;
+    options.min_beams = kMinBeams;
+    options.crops = crops_;
+    for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, options)) {
+      seen.log = log_;
+      in_base_.push_back(std::move(seen));
+    }
+  }
+
+  detection::Rig rig_;
+  detection::ScanImagePairer pairer_;
+  std::int64_t pose_gap_max_us_;
+  int log_;
+  bool crops_;
+  int num_pairs_ = 0;
+  std::vector<calibration::TrunkObservation> in_base_;
+  std::vector<pose::PoseEstimate> poses_;  ///< in order of utime
+};
+
+/// The drives of a trunk model: one log and one path each.
+struct TrunkDrives {
+  std::vector<std::string> log_paths;
+  std::vector<std::vector<pose::PoseEstimate>> paths;  ///< T_map_base over time
+  std::vector<calibration::TrunkObservation> observations;
+};
+
+std::vector<calibration::ProbabilitySample> samples_of(const TrunkDrives& drives,
+                                                       const calibration::TrunkModel& model,
+                                                       const io::Config& config, bool quiet) {
+  std::vector<calibration::ProbabilitySample> samples;
+  for (std::size_t i = 0; i < drives.log_paths.size(); ++i) {
+    const int log = static_cast<int>(i);
+    const calibration::LandmarkOutcomes outcomes(
+        calibration::object_landmarks(model, drives.observations, log), config.mapper);
+    const auto found =
+        calibration::landmark_samples(detect_log(drives.log_paths[i], config, !quiet),
+                                      drives.paths[i], outcomes, config.mapper, log);
+    samples.insert(samples.end(), found.samples.begin(), found.samples.end());
+  }
+  return samples;
+}
+
+/// Learns how much width and camera say in these drives (detector.probability), from the detections
+/// at the model's trunks and other objects by the rig `learnt`, which already has their width and
+/// colour. The colour model has seen all of these objects; what is left out is left out of the
+/// weights alone. Returns the weights and the decision chosen, and adds a sentence to `note`; none
+/// if there are too few detections and `choice` is kAuto; with kRoc the decision alone. Throws
+/// io::FileError if kProbability cannot be learnt.
+std::vector<io::ConfigValue> learn_decision(const TrunkDrives& drives,
+                                            const calibration::TrunkModel& model, io::Config learnt,
+                                            DecisionChoice choice, bool quiet, std::string& note) {
+  if (choice == DecisionChoice::kRoc) return {{"detector.decision", "roc"}};
+  learnt.detector.decision = detection::Decision::kRoc;
+  learnt.detector.probability = {};
+  try {
+    const auto samples = samples_of(drives, model, learnt, quiet);
+    calibration::ProbabilityLearnOptions rules;
+    rules.width_mean_m = learnt.detector.width.mean_m;
+    const auto fit = calibration::learn_probability(samples, rules);
+    const calibration::DecisionErrors errors = calibration::decision_errors(samples, fit);
+    const std::string text = fmt::format(
+        "wrong of {} detections: decision: roc {}, probability {} (left-out {})", errors.num,
+        errors.roc, errors.probability, drives.log_paths.size() > 1 ? "drives" : "objects");
+    if (!quiet) std::printf("%s\n", text.c_str());
+    note += "; " + text;
+    const bool by_probability =
+        choice == DecisionChoice::kProbability || errors.probability < errors.roc;
+    // The weights are written in any case: earlier ones belong to another width and colour.
+    std::vector<io::ConfigValue> values = probability_values(fit);
+    values.push_back({"detector.decision", by_probability ? "probability" : "roc"});
+    return values;
+  } catch (const std::runtime_error& error) {
+    if (choice == DecisionChoice::kProbability) {
+      throw io::FileError(drives.log_paths.front() + ": " + error.what());
+    }
+    if (!quiet) {
+      std::printf("detector.decision is unchanged, no probabilities were learnt: %s\n",
+                  error.what());
+    }
+    return {};
+  }
+}
+
+constexpr int kPictureHeight_px = 160;
+
+/// The nearest observation that has a picture, or none.
+const calibration::TrunkObservation* best_observation(
+    const calibration::ObservedObject& object,
+    const std::vector<calibration::TrunkObservation>& observations) {
+  const calibration::TrunkObservation* best = nullptr;
+  for (const std::size_t i : object.observations) {
+    if (observations[i].crop.area.empty()) continue;
+    if (!best || observations[i].range_m < best->range_m) best = &observations[i];
+  }
+  return best;
+}
+
+void write_picture(const std::string& path, const vision::PixelBlock& crop) {
+  const cv::Mat pixels(crop.area.height_px, crop.area.width_px, CV_8UC3,
+                       const_cast<std::uint8_t*>(crop.bgr.data()));
+  cv::Mat large;
+  const double scale = static_cast<double>(kPictureHeight_px) / crop.area.height_px;
+  cv::resize(pixels, large, {}, scale, scale, cv::INTER_NEAREST);
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", large, png);
+  io::write_file_atomically(path, std::string(png.begin(), png.end()));
+}
+
+/// Formats an object; `format` has placeholders for its properties in this order.
+std::string row(const char* format, int number, const calibration::ObservedObject& t) {
+  return fmt::format(fmt::runtime(format), number, calibration::class_name(t), t.log + 1, t.x_m,
+                     t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
+}
+
+/// Writes a page for selecting trunks: `index.html` with one picture per object (its nearest
+/// observation), its number, position, width, hue and number of observations; `things.csv` with the
+/// same data; and the pictures. `observations` are those of the model. Throws io::FileError when
+/// the folder cannot be written.
+void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
+                      const std::vector<calibration::TrunkObservation>& observations) {
+  io::make_folder(folder, "choose another folder with --list");
+  std::string csv = "number,taken_for,log,x_m,y_m,looks,width_mm,hue_deg\n";
+  std::string html =
+      "<!doctype html>\n"
+      "<meta charset=\"utf-8\">\n"
+      "<title>Objects found</title>\n"
+      "<style>body{font-family:sans-serif}table{border-collapse:collapse}td,th{border:1px solid "
+      "#ccc;padding:4px 10px;text-align:right}tr.trunk{background:#e4f4e0}</style>\n"
+      "<h1>Objects found</h1>\n"
+      "<p>Choose the trunks by their numbers: <code>--trees 3,7,9-20</code>. Green rows were "
+      "classified as trunks.</p>\n"
+      "<table>\n"
+      "<tr><th>number</th><th>class</th><th>log</th><th>x (m)</th><th>y "
+      "(m)</th><th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
+      "observation</th></tr>\n";
+  int number = 0;
+  for (const calibration::ObservedObject& object : model.objects) {
+    ++number;
+    csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, object);
+    html += object.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
+    html +=
+        row("<td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>"
+            "<td>{:.0f}</td><td>{:.0f}</td>",
+            number, object);
+    if (const auto* best = best_observation(object, observations)) {
+      const std::string name = "thing_" + std::to_string(number) + ".png";
+      write_picture(folder + "/" + name, best->crop);
+      html += "<td><img src=\"" + name + "\" alt=\"object " + std::to_string(number) + "\"></td>";
+    } else {
+      html += "<td></td>";
+    }
+    html += "</tr>\n";
+  }
+  io::write_file_atomically(folder + "/things.csv", csv);
+  io::write_file_atomically(folder + "/index.html", html + "</table>\n");
+}
+
 TrunkDrives observe_logs(const CalibrateTrunksOptions& options, const io::Config& config) {
   TrunkDrives drives;
   drives.log_paths = options.log_paths;
+  std::set<std::string> said;
   int num_pairs = 0;
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
     TrunkCollector collector(config, static_cast<int>(i), !options.list_folder.empty());
-    io::ProgressBar bar("reading logs", !options.quiet);
-    bus::ReplayOptions replay;
-    replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
-    const bus::ReplayReport report =
-        bus::replay_in_process(options.log_paths[i], {&pose, &collector}, replay);
-    bar.finish();
-    for (const std::string& warning : report.warnings) {
-      std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
-    }
+    replay_log("orchard calibrate", options.log_paths[i], {&pose, &collector}, options.quiet, said);
     const auto seen = collector.observations();
     drives.observations.insert(drives.observations.end(), seen.begin(), seen.end());
     drives.paths.push_back(collector.poses());
@@ -222,10 +453,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
 
   std::string note = std::to_string(model.num_trunks) + " trunks, " +
                      std::to_string(model.num_observations) + " observations in " +
-                     std::filesystem::path(options.log_paths.front()).filename().string();
-  if (options.log_paths.size() > 1) {
-    note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
-  }
+                     logs_text(options.log_paths);
   if (!options.trees.empty()) note += ", picked by number";
   if (!options.ids.empty()) note += ", picked by id";
   std::vector<io::ConfigValue> values = values_of(model);
@@ -246,9 +474,8 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     const auto more = learn_decision(drives, model, learnt, options.decision, options.quiet, note);
     values.insert(values.end(), more.begin(), more.end());
   }
-  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
-  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  write_rig(options.config_path, options.out_path, values, "orchard calibrate trunks", note,
+            options.quiet);
   return bus::kExitOk;
 }
 

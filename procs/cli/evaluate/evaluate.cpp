@@ -8,9 +8,9 @@
 
 #include "bus/process/process.hpp"
 #include "evaluation/map_evaluation.hpp"
-#include "evaluation/paper_tables.hpp"
-#include "evaluation/trajectory/trajectory_evaluation.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
 #include "geometry/angles.hpp"
+#include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/truth_csv.hpp"
 
@@ -23,10 +23,8 @@ std::string in_folder(const std::string& path, const char* file) {
 
 /// Evaluates trajectory.csv beside the map against the true poses.
 evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options) {
-  const std::string folder = std::filesystem::is_directory(options.map_path)
-                                 ? options.map_path
-                                 : std::filesystem::path(options.map_path).parent_path().string();
-  const std::string path = (std::filesystem::path(folder) / "trajectory.csv").string();
+  const std::filesystem::path map_csv = in_folder(options.map_path, "map.csv");
+  const std::string path = (map_csv.parent_path() / "trajectory.csv").string();
   evaluation::TrajectoryRules rules;
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
   return evaluation::evaluate_trajectory(io::read_track_csv(path),
@@ -65,6 +63,31 @@ int run_evaluate(const EvaluateOptions& options) {
     if (trajectory) print_trajectory(*trajectory, options.align);
   }
   return options.check && !evaluation.perfect() ? bus::kExitRuntime : bus::kExitOk;
+}
+
+int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
+  evaluation::TrajectoryRules rules = options.rules;
+  if (options.align) rules.alignment = evaluation::Alignment::kRigid;
+  if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
+  if (options.nearest) rules.association = evaluation::Association::kNearest;
+  if (options.gap_max_s > 0.0) rules.gap_max_s = options.gap_max_s;
+  const std::string path = in_folder(options.trajectory_path, "trajectory.csv");
+  const evaluation::Track estimate = io::read_track_csv(path);
+  const evaluation::Track truth = io::read_track_csv(options.truth_path);
+  const evaluation::TrajectoryEvaluation evaluation =
+      evaluation::evaluate_trajectory(estimate, truth, rules);
+  std::fputs(
+      (options.json ? trajectory_json(evaluation, rules) : trajectory_summary(evaluation, rules))
+          .c_str(),
+      stdout);
+  if (evaluation.compared.empty()) {
+    std::fprintf(stderr,
+                 "orchard evaluate trajectory: no pose of %s is within the time of %s, so nothing "
+                 "can be compared; check that both are of one drive and in microseconds\n",
+                 path.c_str(), options.truth_path.c_str());
+    return bus::kExitRuntime;
+  }
+  return bus::kExitOk;
 }
 
 }  // namespace orchard::cli

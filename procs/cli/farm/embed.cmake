@@ -14,7 +14,7 @@ foreach(name IN LISTS NAMES)
   string(APPEND entries "    {\"${place}\", R\"orchard(${text})orchard\"},\n")
   math(EXPR num "${num} + 1")
 endforeach()
-file(WRITE ${OUT} "// Made by procs/cli/farm/embed.cmake.\n#include \"cli/farm/farm_files.hpp\"\n
+file(WRITE ${OUT} "// Made by procs/cli/farm/embed.cmake.\n#include \"cli/farm/farm.hpp\"\n
 namespace orchard::cli {
 const ShippedFile kFarmFiles[] = {\n${entries}};
 const int kNumFarmFiles = ${num};

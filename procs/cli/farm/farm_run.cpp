@@ -1,28 +1,395 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/farm/farm_run.hpp"
+#include "cli/farm/farm.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
-
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
+#include <string>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "bus/process/process.hpp"
-#include "cli/farm/command_run.hpp"
-#include "cli/farm/farm_status.hpp"
-#include "cli/program_folder.hpp"
+#include "cli/farm/farm_folder.hpp"
+#include "cli/paths.hpp"
+#include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/progress_bar.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
+namespace {
+
+/// Exit code and resource usage of a command.
+struct CommandResult {
+  int exit_code = 0;  ///< 128 + signal if it was killed; 127 if it cannot be run
+  double wall_s = 0.0;
+  double processor_s = 0.0;
+  double memory_mb = 0.0;  ///< peak of its largest process
+};
+
+constexpr int kLookEvery_ms = 500;
+
+int open_for_writing(const std::string& path) {
+  if (path.empty()) return -1;
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), path);
+  return fd;
+}
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+/// Ignores SIGINT in this process: Ctrl-C reaches the whole process group, so the command ends by
+/// itself, and this process after it.
+class IgnoredInterrupt {
+ public:
+  IgnoredInterrupt() {
+    struct sigaction ignore {};
+    ignore.sa_handler = SIG_IGN;
+    sigaction(SIGINT, &ignore, &before_);
+  }
+  ~IgnoredInterrupt() { sigaction(SIGINT, &before_, nullptr); }
+  IgnoredInterrupt(const IgnoredInterrupt&) = delete;
+  IgnoredInterrupt& operator=(const IgnoredInterrupt&) = delete;
+  const struct sigaction& before() const { return before_; }
+
+ private:
+  struct sigaction before_ {};
+};
+
+/// Runs a program of the search path and waits for its end. Its output is written to `output_path`
+/// (empty: to this process's output), standard output to `stdout_path` if given. `in_folder`:
+/// working folder; empty: the current one. `while_running`, if given, is called twice a second.
+/// Throws std::system_error when no process can be created.
+CommandResult run_command(const std::vector<std::string>& arguments, const std::string& output_path,
+                          const std::string& stdout_path = {}, const std::string& in_folder = {},
+                          const std::function<void()>& while_running = {}) {
+  std::vector<std::string> words = arguments;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const int output = open_for_writing(output_path);
+  const int standard = stdout_path.empty() ? -1 : open_for_writing(stdout_path);
+  const IgnoredInterrupt ignored;
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t pid = fork();
+  if (pid == 0) {  // only calls that are safe between fork and exec
+    sigaction(SIGINT, &ignored.before(), nullptr);
+    if (output >= 0) dup2(output, STDOUT_FILENO), dup2(output, STDERR_FILENO);
+    if (standard >= 0) dup2(standard, STDOUT_FILENO);
+    if (!in_folder.empty() && chdir(in_folder.c_str()) != 0) _exit(127);
+    execvp(argv.front(), argv.data());
+    _exit(127);
+  }
+  const int error = errno;
+  if (output >= 0) close(output);
+  if (standard >= 0) close(standard);
+  if (pid < 0) throw std::system_error(error, std::generic_category(), "starting " + words.front());
+  if (while_running) {
+    pollfd ended{static_cast<int>(syscall(SYS_pidfd_open, pid, 0)), POLLIN, 0};
+    while (ended.fd >= 0 && poll(&ended, 1, kLookEvery_ms) <= 0) while_running();
+    if (ended.fd >= 0) close(ended.fd);
+  }
+  int status = 0;
+  rusage usage{};
+  while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  CommandResult end;
+  end.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  end.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  end.processor_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  end.memory_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  return end;
+}
+
+namespace fs = std::filesystem;
+
+/// Min free disk space for setting a result aside: with less, a failed write may look like a bad
+/// input.
+constexpr std::uintmax_t kFreeBytesMin = 16 << 20;
+
+std::string unlike_any_other() {
+  char host[256] = {};
+  gethostname(host, sizeof(host) - 1);
+  return std::string(host) + "-" + std::to_string(getpid());
+}
+
+/// The last line of a file that is not empty; empty: none.
+std::string last_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+bool is_crash(int exit_code) {
+  constexpr std::array<int, 5> kCrashes{SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL};
+  return std::count(kCrashes.begin(), kCrashes.end(), exit_code - 128) > 0;
+}
+
+/// Renames the finished folder to the result, unless another process has completed the same result.
+void become_result(const std::string& made, const std::string& name, const std::string& state) {
+  const std::string result = "results/" + name;
+  const std::string corrections = corrections_line(made);
+  io::write_file_atomically(made + "/state.txt",
+                            state + "\n" + (corrections.empty() ? "" : corrections + "\n"));
+  if (fs::exists(result + "/state.txt")) {
+    fs::remove_all(made);
+    return;
+  }
+  fs::remove_all(result);  // empty, or an incomplete result without state.txt
+  io::rename_durably(made, result);
+}
+
+}  // namespace
+
+int run_farm_step(const FarmStepOptions& options) {
+  if (!is_farm_name(options.name))
+    throw io::FileError(options.name + ": not a valid name of a result");
+  for (const char* folder : {"results", "work/cost", "work/output"}) fs::create_directories(folder);
+  const std::string made = "results/.making-" + options.name + "-" + unlike_any_other();
+  fs::remove_all(made);
+  fs::create_directory(made);
+  if (options.command.empty()) {
+    become_result(made, options.name, "set aside: " + options.set_aside);
+    return bus::kExitOk;
+  }
+
+  std::vector<std::string> command = options.command;
+  for (std::string& word : command) {
+    if (word == "@out") word = made;
+  }
+  const std::string output = "work/output/" + options.name + ".txt";
+  const CommandResult end =
+      run_command(command, output, options.keep_output ? made + "/said.txt" : std::string());
+  std::error_code error;
+  const bool is_disk_well =
+      fs::exists(made) && fs::space("results", error).available > kFreeBytesMin && !error;
+  if (end.exit_code == bus::kExitOk || (options.keep_output && end.exit_code == bus::kExitInput)) {
+    io::write_file_atomically("work/cost/" + options.name + ".txt",
+                              fixed_text(end.wall_s, 3) + " " + fixed_text(end.processor_s, 3) +
+                                  " " + fixed_text(end.memory_mb, 1) + "\n");
+    become_result(made, options.name, "good");
+    return bus::kExitOk;
+  }
+  std::string why = last_line(output);
+  for (std::size_t at = why.find(made); at != std::string::npos; at = why.find(made)) {
+    why.replace(at, made.size(), "results/" + options.name);  // independent of the temporary name
+  }
+  if (is_crash(end.exit_code)) {
+    why = "the program crashed (signal " + std::to_string(end.exit_code - 128) + "): " + why;
+  }
+  if (is_disk_well && (end.exit_code == bus::kExitInput || is_crash(end.exit_code))) {
+    fs::remove_all(made);
+    fs::create_directory(made);
+    become_result(made, options.name, "set aside: " + why);
+    return bus::kExitOk;
+  }
+  fs::remove_all(made, error);
+  std::fprintf(stderr, "orchard farm: %s: exit code %d: %s\n", options.name.c_str(), end.exit_code,
+               why.c_str());
+  return bus::kExitRuntime;
+}
+
+namespace {
+
+using farm::FarmTask;
+using farm::TaskKind;
+
+constexpr std::array<TaskKind, 6> kKinds{TaskKind::kCheck,   TaskKind::kMap,    TaskKind::kDate,
+                                         TaskKind::kChanges, TaskKind::kReport, TaskKind::kPublish};
+
+/// An event to report, and the drive or date that it concerns.
+struct Finding {
+  std::string what;  ///< "set aside", "left out", "damaged", "not published"
+  std::string of;
+  std::string reason;
+};
+
+struct Counts {
+  int num_good = 0, num_aside = 0, num_open = 0;
+};
+
+struct FarmState {
+  std::array<Counts, kKinds.size()> counts;
+  std::vector<Finding> findings;
+  double open_s = 0.0;  ///< expected processor time of the open maps
+};
+
+std::string title_of(const FarmTask& task) {
+  const farm::Drive& drive = task.drives.front();
+  return task.kind == TaskKind::kCheck || task.kind == TaskKind::kMap
+             ? drive.title()
+             : drive.block + "/" + drive.date;
+}
+
+/// Adds the maps that `merge --leave-out` left out of a date, with reasons (left_out.csv).
+void add_left_out(const FarmFolder& farm, const FarmTask& task, const std::vector<FarmTask>& tasks,
+                  std::vector<Finding>& findings) {
+  std::ifstream file(farm.path("results/" + task.name + "/left_out.csv"));
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    for (const FarmTask& map : tasks) {
+      const std::string begin = "\"results/" + map.name + "\",\"";
+      if (line.rfind(begin, 0) != 0) continue;
+      for (const farm::Drive& drive : map.drives) {
+        if (drive.block != task.drives.front().block || drive.date != task.drives.front().date) {
+          continue;
+        }
+        findings.push_back(
+            {"left out", drive.title(), line.substr(begin.size(), line.size() - begin.size() - 1)});
+      }
+    }
+  }
+}
+
+bool is_damaged(const FarmFolder& farm, const FarmTask& task) {
+  std::ifstream file(farm.path("results/" + task.name + "/said.txt"));
+  const auto said = nlohmann::json::parse(file, nullptr, false);
+  return !said.is_object() || !said.value("sound", false);
+}
+
+FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
+                   const farm::CostFit& costs) {
+  FarmState state;
+  std::set<std::string> mapped;  // digests of logs
+  for (const FarmTask& task : tasks) {
+    const auto made = farm.state_of(task.name);
+    if (task.kind == TaskKind::kMap && made && made->is_good) {
+      mapped.insert(task.drives.front().log_digest);
+    }
+  }
+  for (const FarmTask& task : tasks) {
+    Counts& counts = state.counts[static_cast<std::size_t>(task.kind)];
+    const auto made = farm.state_of(task.name);
+    ++(!made ? counts.num_open : made->is_good ? counts.num_good : counts.num_aside);
+    if (!made) {
+      if (task.kind == TaskKind::kMap) {
+        state.open_s += costs.ask_s.at_least +
+                        costs.ask_s.per_mb * 1e-6 * static_cast<double>(task.drives[0].num_bytes);
+      }
+      if (task.kind == TaskKind::kPublish) {
+        const std::string why = last_line(farm.path("work/output/" + task.name + ".txt"));
+        if (!why.empty()) state.findings.push_back({"not published", title_of(task), why});
+      }
+      continue;
+    }
+    if (!made->is_good) {
+      for (const farm::Drive& drive : task.drives) {
+        const bool is_of_drive = task.kind == TaskKind::kMap || task.kind == TaskKind::kCheck;
+        state.findings.push_back({std::string("set aside (") + farm::kind_text(task.kind) + ")",
+                                  is_of_drive ? drive.title() : title_of(task), made->reason});
+        if (!is_of_drive) break;
+      }
+    } else if (task.kind == TaskKind::kDate) {
+      add_left_out(farm, task, tasks, state.findings);
+    } else if (task.kind == TaskKind::kCheck && is_damaged(farm, task) &&
+               mapped.count(task.drives.front().log_digest) > 0) {
+      for (const farm::Drive& drive : task.drives) {
+        state.findings.push_back(
+            {"damaged", drive.title(), "the readable part was mapped; see `orchard log check`"});
+      }
+    }
+  }
+  return state;
+}
+
+std::string cost_text(const char* what, const char* unit, const farm::CostLine& line) {
+  return fmt::format("{}: {:.2f} {} + {:.2f} {} per km + {:.4f} {} per tree", what, line.at_least,
+                     unit, line.per_km, unit, line.per_tree, unit);
+}
+
+}  // namespace
+
+std::string status_text(const FarmFolder& farm, const FarmContent& content,
+                        const std::vector<FarmTask>& tasks, bool json) {
+  const auto samples = farm.costs(tasks);
+  const farm::CostFit costs = farm::fit_costs(samples);
+  const FarmState state = state_of(farm, tasks, costs);
+  std::set<std::string> blocks, dates;
+  for (const farm::Drive& drive : content.drives) {
+    blocks.insert(drive.block);
+    dates.insert(drive.block + "/" + drive.date);
+  }
+  if (json) {
+    using nlohmann::ordered_json;
+    ordered_json all{{"num_blocks", blocks.size()},
+                     {"num_dates", dates.size()},
+                     {"num_drives", content.drives.size()}};
+    for (const TaskKind kind : kKinds) {
+      const Counts& c = state.counts[static_cast<std::size_t>(kind)];
+      all["steps"][farm::kind_text(kind)] = {
+          {"good", c.num_good}, {"set_aside", c.num_aside}, {"open", c.num_open}};
+    }
+    all["findings"] = ordered_json::array();
+    for (const Finding& f : state.findings) {
+      all["findings"].push_back({{"what", f.what}, {"of", f.of}, {"reason", f.reason}});
+    }
+    const auto line = [](const farm::CostLine& l) {
+      return ordered_json{{"at_least", l.at_least}, {"per_km", l.per_km}, {"per_tree", l.per_tree}};
+    };
+    all["map_cost"] = {{"num_maps", samples.size()},
+                       {"time_s", line(costs.time_s)},
+                       {"memory_mb", line(costs.memory_mb)}};
+    all["open_s"] = state.open_s;
+    return all.dump(2) + "\n";
+  }
+  std::string text = fmt::format("{} blocks, {} dates, {} drives\n", blocks.size(), dates.size(),
+                                 content.drives.size());
+  for (const TaskKind kind : kKinds) {
+    const Counts& c = state.counts[static_cast<std::size_t>(kind)];
+    if (kind == TaskKind::kPublish && content.settings.publish_to.empty()) continue;
+    text += fmt::format("{:<8} {:6} made, {:4} set aside, {:6} to make\n", farm::kind_text(kind),
+                        c.num_good, c.num_aside, c.num_open);
+  }
+  for (const Finding& f : state.findings) {
+    text += fmt::format("{}: {}: {}\n", f.what, f.of, f.reason);
+  }
+  if (!samples.empty()) {
+    text += fmt::format("cost of a map, fitted to {} maps: {}; {}\n", samples.size(),
+                        cost_text("core time", "s", costs.time_s),
+                        cost_text("memory", "MB", costs.memory_mb));
+  }
+  if (state.open_s > 0.0) {
+    text += fmt::format("the remaining maps will take about {:.0f} s of one core\n", state.open_s);
+  }
+  return text;
+}
+
+int run_farm_status(const FarmStatusOptions& options) {
+  const FarmFolder farm(options.folder);
+  const FarmContent content = farm.read();
+  const auto tasks = farm.tasks_of(content);
+  farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
+  std::fputs(status_text(farm, content, tasks, options.json).c_str(), stdout);
+  for (const std::string& note : content.notes) {
+    std::fprintf(stderr, "orchard farm status: note: %s\n", note.c_str());
+  }
+  return bus::kExitOk;
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,34 +1,341 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/field/live.hpp"
+#include "cli/field/field.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
-
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <deque>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "bus/bus.hpp"
+#include "bus/messages/channel.hpp"
+#include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/process/process.hpp"
-#include "cli/field/field_url.hpp"
-#include "cli/field/start_time.hpp"
 #include "cli/field/status_board.hpp"
-#include "cli/field/status_screen.hpp"
-#include "cli/program_folder.hpp"
+#include "cli/paths.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
+#include "io/log/log_reader.hpp"
 
 namespace orchard::cli {
 namespace {
+
+/// A process to be started, and its place in the order of stopping.
+struct ChildPlan {
+  std::string name;                    ///< process name, "orchard-detector"
+  std::vector<std::string> arguments;  ///< the program's path first
+  std::string log_path;                ///< its standard output and error are appended here
+  /// Stages are stopped in ascending order, each after the one before has ended: senders before
+  /// receivers.
+  int stage = 0;
+  /// True for a player of a log: it starts once all other processes have sent STATUS, so that they
+  /// receive all its messages.
+  bool plays = false;
+};
+
+constexpr std::chrono::seconds kLongLife{10};
+constexpr std::chrono::milliseconds kFirstWait{200};
+constexpr std::chrono::milliseconds kWaitMax{5000};
+
+/// Runs in the child between fork and exec; calls only async-signal-safe functions.
+[[noreturn]] void become(const std::vector<char*>& arguments, int log) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  setpgid(0, 0);  // Ctrl-C reaches only the parent, which stops the children in order
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if the parent is killed, the child stops
+  if (log >= 0) {
+    dup2(log, STDOUT_FILENO);
+    dup2(log, STDERR_FILENO);
+  }
+  execv(arguments.front(), arguments.data());
+  _exit(127);
+}
+
+/// A child process that is monitored, restarted when it fails, and stopped.
+class ChildProcess {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit ChildProcess(ChildPlan plan) : plan_(std::move(plan)) {}
+  ~ChildProcess() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+    if (pidfd_ >= 0) close(pidfd_);
+  }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Starts the process; `more` arguments are also used for later restarts. Throws
+  /// std::system_error when no process can be created.
+  void start(const std::vector<std::string>& more = {}) {
+    plan_.arguments.insert(plan_.arguments.end(), more.begin(), more.end());
+    std::vector<char*> arguments;
+    for (std::string& word : plan_.arguments) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const int log =
+        plan_.log_path.empty()
+            ? -1
+            : ::open(plan_.log_path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    const pid_t pid = fork();
+    if (pid == 0) become(arguments, log);
+    const int error = errno;
+    if (log >= 0) close(log);
+    if (pid < 0) throw std::system_error(error, std::generic_category(), "starting " + plan_.name);
+    pid_ = pid;
+    pidfd_ = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+    exit_code_.reset();
+    started_ = Clock::now();
+    restart_at_ = Clock::time_point::max();
+  }
+
+  /// Returns what has happened since the last call, as text for the user; none: nothing. Restarts a
+  /// failed process after a wait: none at first, then doubling up to five seconds while the process
+  /// fails within ten seconds of its start.
+  std::optional<std::string> watch() {
+    if (pid_ > 0) {
+      int status = 0;
+      if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+      return take_end(status);
+    }
+    if (stopping_ || Clock::now() < restart_at_) return std::nullopt;
+    start();
+    ++num_restarts_;
+    return plan_.name + " was restarted (" + std::to_string(num_restarts_) + ")";
+  }
+
+  /// Asks the process to stop (SIGINT); it is not restarted.
+  void ask_to_stop() {
+    stopping_ = true;
+    if (pid_ > 0) kill(pid_, SIGINT);
+  }
+  void kill_now() {
+    stopping_ = true;
+    if (pid_ > 0) kill(pid_, SIGKILL);
+  }
+
+  bool running() const { return pid_ > 0; }
+
+  /// File descriptor that becomes readable when the process ends; -1: it is not running.
+  int fileno() const { return pidfd_; }
+
+  /// Exit code of a process that ended by itself; 128 + signal for a killed one.
+  std::optional<int> exit_code() const { return exit_code_; }
+
+  /// Time of the next restart of a failed process; max: none.
+  Clock::time_point restart_at() const { return restart_at_; }
+
+  /// Number of restarts.
+  int num_restarts() const { return num_restarts_; }
+  const ChildPlan& plan() const { return plan_; }
+
+ private:
+  std::string take_end(int status) {
+    pid_ = -1;
+    if (pidfd_ >= 0) close(pidfd_);
+    pidfd_ = -1;
+    exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    std::string text = plan_.name;
+    if (WIFSIGNALED(status)) {
+      text += std::string(" was killed by signal ") + strsignal(WTERMSIG(status));
+    } else if (*exit_code_ == 127) {
+      text += ": " + plan_.arguments.front() + " cannot be started; install it beside orchard";
+    } else {
+      text += " ended with exit code " + std::to_string(*exit_code_);
+    }
+    const bool is_mistake = *exit_code_ == bus::kExitUsage || *exit_code_ == bus::kExitInput ||
+                            *exit_code_ == 127;  // a restart would fail in the same way
+    if (stopping_ || *exit_code_ == bus::kExitOk || is_mistake) return text;
+    if (Clock::now() - started_ > kLongLife) wait_ = std::chrono::milliseconds(0);
+    restart_at_ = Clock::now() + wait_;
+    wait_ = std::min(std::max(2 * wait_, kFirstWait), kWaitMax);
+    return text;
+  }
+
+  ChildPlan plan_;
+  pid_t pid_ = -1;
+  int pidfd_ = -1;
+  bool stopping_ = false;
+  int num_restarts_ = 0;
+  std::optional<int> exit_code_;
+  Clock::time_point started_;
+  Clock::time_point restart_at_ = Clock::time_point::max();
+  std::chrono::milliseconds wait_{0};
+};
+
+/// The last lines of a file, to show the user why a process failed.
+std::string last_lines(const std::string& path, int num_lines) {
+  std::ifstream file(path);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+    if (static_cast<int>(lines.size()) > num_lines) lines.pop_front();
+  }
+  std::string text;
+  for (const std::string& line : lines) text += "    " + line + "\n";
+  return text;
+}
+
+enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
+
+/// A driver, its channel, and the address of its device in the rig.
+struct KnownDriver {
+  const char* name;
+  std::optional<bus::Channel> channel;  ///< none: converts several channels of other programs
+  std::string device;
+};
+
+std::vector<KnownDriver> drivers_known(const device::DriversConfig& d) {
+  using bus::Channel;
+  return {{"orchard-laser-driver", Channel::kScan, d.laser.device},
+          {"orchard-rear-laser-driver", Channel::kScanRear, d.laser_rear.device},
+          {"orchard-camera-driver", Channel::kImage, d.camera.device},
+          {"orchard-odometry-driver", Channel::kOdometry, d.odometry.device},
+          {"orchard-imu-driver", Channel::kImu, d.imu.device},
+          {"orchard-gnss-driver", Channel::kGnss, d.gnss.device},
+          {"orchard-bot-core-adapter", std::nullopt, d.bot_core.lcm_url}};
+}
+
+/// Drivers of the sensors with a device in the rig.
+std::vector<std::string> drivers_of(const io::Config& config) {
+  std::vector<std::string> names;
+  for (const KnownDriver& driver : drivers_known(config.drivers)) {
+    if (!driver.device.empty()) names.emplace_back(driver.name);
+  }
+  return names;
+}
+
+/// Drivers of the sensors with messages in a log.
+std::set<std::string> drivers_played(const std::string& log_path) {
+  constexpr std::int64_t kSurvey_us = 20'000'000;  // every sensor sends within this time
+  std::set<std::string> names;
+  io::LogReader log(log_path);
+  std::optional<std::int64_t> end_utime;
+  while (const std::optional<io::LogEvent> event = log.next()) {
+    if (!end_utime) end_utime = event->timestamp_us + kSurvey_us;
+    if (event->timestamp_us > *end_utime) break;
+    const std::optional<bus::Channel> channel = bus::find_channel(event->channel);
+    for (const KnownDriver& driver : drivers_known({})) {
+      if (channel && driver.channel == channel) names.emplace(driver.name);
+    }
+  }
+  return names;
+}
+
+/// Resolves a list of names to processes.
+std::set<std::string> named(const std::vector<std::string>& names,
+                            const std::vector<ChildPlan>& plans) {
+  std::set<std::string> found;
+  for (const std::string& name : names) {
+    std::size_t before = found.size();
+    std::vector<std::string> known{"drivers"};
+    for (const ChildPlan& plan : plans) {
+      known.push_back(plan.name.substr(std::string("orchard-").size()));
+      const bool is_meant =
+          name == "drivers" ? plan.stage == kDrivers : plan.name == bus::full_process_name(name);
+      if (is_meant) found.insert(plan.name);
+    }
+    if (found.size() == before && name != "drivers") {
+      const std::string near = nearest_word(name, known);
+      throw io::FileError("--only or --without: this rig has no process \"" + name + "\"" +
+                          (near.empty() ? "" : "; did you mean " + near + "?"));
+    }
+  }
+  return found;
+}
+
+/// Plans the processes of this machine, in the order of their start. `program_folder`: the folder
+/// of the executables. Throws io::FileError for an unknown name and when no process would be
+/// started.
+std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config& config,
+                                   const std::string& program_folder) {
+  std::vector<ChildPlan> plans;
+  const auto add = [&](const std::string& name, int stage, std::vector<std::string> more = {}) {
+    ChildPlan plan;
+    plan.name = name;
+    plan.stage = stage;
+    plan.log_path = options.out_folder + "/logs/" + name + ".log";
+    plan.arguments = {program_folder + "/" + name, "--config", options.config_path};
+    if (!options.lcm_url.empty()) {
+      plan.arguments.insert(plan.arguments.end(), {"--lcm-url", options.lcm_url});
+    }
+    plan.arguments.insert(plan.arguments.end(), more.begin(), more.end());
+    plans.push_back(std::move(plan));
+  };
+  if (!options.record_folder.empty()) {
+    add("orchard-recorder", kRecorder);
+    std::vector<std::string>& words = plans.back().arguments;
+    words.front() = program_folder + "/orchard";
+    words.insert(words.begin() + 1, "record");
+    words.insert(words.end(), {"--out", options.record_folder});
+  }
+  add("orchard-mapper", kMapper, {"--out", options.out_folder});
+  add("orchard-pose", kPose);
+  add("orchard-detector", kDetector);
+  if (!options.scene.empty()) {
+    // A simulated drive waits until all processes listen; the drive of a real robot does not wait.
+    std::string listeners;
+    for (const ChildPlan& plan : plans) listeners += (listeners.empty() ? "" : ",") + plan.name;
+    add("orchard-sim-driver", kDrivers,
+        {"--scene", options.scene, "--seed", options.seed, "--speed", options.speed, "--hold",
+         "--wait-for", listeners});
+  } else if (!options.played_log.empty()) {
+    for (const std::string& driver : drivers_played(options.played_log)) {
+      add(driver, kDrivers, {"--emulate", options.played_log});
+      plans.back().plays = true;
+    }
+  } else {
+    for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
+  }
+
+  // The viewer only displays: no process waits for it.
+  if (!options.viewer_address.empty()) {
+    std::vector<std::string> words{"--listen", options.viewer_address, "--folder",
+                                   options.out_folder};
+    if (options.edit) words.insert(words.end(), {"--edit", options.out_folder});
+    add("orchard-viewer", kRecorder, words);
+  }
+
+  const std::set<std::string> only = named(options.only, plans);
+  const std::set<std::string> without = named(options.without, plans);
+  const auto is_left_out = [&](const ChildPlan& plan) {
+    return (!options.only.empty() && only.count(plan.name) == 0) || without.count(plan.name) > 0;
+  };
+  plans.erase(std::remove_if(plans.begin(), plans.end(), is_left_out), plans.end());
+  if (plans.empty()) {
+    throw io::FileError(options.config_path +
+                        ": no process to start; name the sensors of this machine in section "
+                        "drivers, or change --only and --without");
+  }
+  return plans;
+}
 
 using Clock = std::chrono::steady_clock;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -47,5 +49,40 @@ constexpr double kSilent_s = 2.5;
 /// Max acceptable difference between the clocks of two hosts [s]: at 1 m/s it displaces
 /// observations by 2 cm.
 constexpr double kClockOffsetMax_s = 0.02;
+
+/// The state of a process in one word: "ok", "waiting", "warning", "error", "silent".
+std::string state_word(const ProcessView& process);
+
+/// True if a process needs attention: any state except ok and waiting, or a clock offset.
+bool needs_attention(const ProcessView& process);
+
+/// Formats the processes as a table with a header; each has one line, with its text below. Lines
+/// are cut at `width` columns (0: not cut). `colour`: with escape codes for a terminal. Control
+/// characters in received text are replaced.
+std::string status_table(const std::vector<ProcessView>& processes, std::size_t width, bool colour);
+
+/// The lines of one process in the table.
+std::string process_lines(const ProcessView& process, std::size_t width, bool colour);
+
+/// The processes as one JSON object with a list.
+std::string status_json(const std::vector<ProcessView>& processes);
+
+/// Period of redrawing the screen.
+inline constexpr std::chrono::milliseconds kRedraw{500};
+
+/// Prints the status of all processes: a redrawn table on a terminal; in a pipe, a line whenever
+/// the state or text of a process changes.
+class StatusScreen {
+ public:
+  /// `headline`: lines above the table.
+  void show(const StatusBoard& board, const std::string& headline, std::int64_t now_utime);
+
+  /// True if standard output is a terminal.
+  static bool is_terminal();
+
+ private:
+  void print_changes(const std::vector<ProcessView>& processes);
+  std::map<std::string, std::string> said_;
+};
 
 }  // namespace orchard::cli

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/growers/export.hpp"
+#include "cli/growers/growers.hpp"
 
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bus/process/process.hpp"
-#include "cli/maps/map_registration.hpp"
-#include "cli/parent_folder.hpp"
+#include "cli/maps/stored_maps.hpp"
+#include "cli/paths.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/geo_file.hpp"

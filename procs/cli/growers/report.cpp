@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/growers/report.hpp"
+#include "cli/growers/growers.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -10,8 +10,7 @@
 #include "bus/messages/channel.hpp"
 #include "bus/process/process.hpp"
 #include "cli/growers/plan_registration.hpp"
-#include "cli/maps/map_input.hpp"
-#include "cli/maps/map_registration.hpp"
+#include "cli/maps/stored_maps.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"

@@ -1,17 +1,149 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/logs/echo.hpp"
+#include "cli/logs/logs.hpp"
 
+#include <fmt/core.h>
 #include <cstdio>
 #include <exception>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "bus/bus.hpp"
+#include "bus/messages/fields.hpp"
+#include "bus/messages/message.hpp"
+#include "bus/messages/service_messages.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/process/process.hpp"
-#include "cli/field/field_url.hpp"
-#include "cli/logs/message_text.hpp"
+#include "cli/field/field.hpp"
 
 namespace orchard::cli {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kWordsOfArray = 8;
+
+std::string text_of(detection::Label label) {
+  constexpr const char* kNames[] = {"unseen", "tree", "object"};
+  return kNames[static_cast<int>(label)];
+}
+std::string text_of(vision::Encoding encoding) {
+  constexpr const char* kNames[] = {"JPEG", "BGR8", "GRAY8"};
+  return kNames[static_cast<int>(encoding)];
+}
+std::string text_of(mapping::EdgeKind kind) {
+  return kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
+}
+
+std::string text_of(bus::Level level) {
+  constexpr const char* kNames[] = {"ok", "waiting", "warning", "error"};
+  return kNames[static_cast<int>(level)];
+}
+std::string text_of(bus::Channel channel) { return std::string(bus::info(channel).name); }
+
+/// Visitor that writes a message's fields to JSON; see bus/messages/fields.hpp.
+class FieldsAsJson {
+ public:
+  void stamp(std::int64_t utime, std::int32_t seq) {
+    put("utime", utime);
+    put("seq", seq);
+  }
+  void time(const char* name, std::int64_t utime) { put(name, utime); }
+  template <class T, class Lo, class Hi>
+  void field(const char* name, const T& value, Lo, Hi) {
+    put(name, value);
+  }
+  template <std::size_t N>
+  void covariance(const char* name, const std::array<double, N>& values) {
+    put(name, values);
+  }
+  template <class T>
+  void count(const char* name, const std::vector<T>& values) {
+    put(name, values.size());
+  }
+  template <class T, class... Limits>
+  void array(const char* name, const std::vector<T>& values, const char*, Limits...) {
+    put(name, values);
+  }
+  void array(const char*, const std::vector<std::uint8_t>&, const char*) {}  // a picture
+  template <class T, class Fields>
+  void items(const char* name, const std::vector<T>& values, const char*, Fields) {
+    json_[name] = Json::array();
+    for (const T& value : values) {
+      FieldsAsJson nested;
+      Fields::visit(value, nested);
+      json_[name].push_back(std::move(nested.json_));
+    }
+  }
+  template <class T, class Member, class Lo, class Hi>
+  void column(const char* name, const std::vector<T>& values, const char*, Member T::*member, Lo,
+              Hi) {
+    json_[name] = Json::array();
+    for (const T& value : values) json_[name].push_back(json_of(value.*member));
+  }
+  void text(const char* name, const std::string& value) { put(name, value); }
+
+  const Json& json() const { return json_; }
+
+ private:
+  template <class T>
+  static Json json_of(const T& value) {
+    if constexpr (std::is_enum_v<T>) {
+      return text_of(value);
+    } else {
+      return value;
+    }
+  }
+  template <class T>
+  void put(const char* name, const T& value) {
+    json_[name] = json_of(value);
+  }
+  Json json_;
+};
+
+/// Formats a value as text: numbers short, arrays truncated, objects in braces.
+std::string words(const Json& value) {
+  if (value.is_number_float()) {
+    return fmt::format("{:.6g}", value.get<double>());
+  }
+  if (value.is_object()) {
+    std::string text;
+    for (const auto& [key, field] : value.items()) {
+      text += (text.empty() ? "" : " ") + key + "=" + words(field);
+    }
+    return "{" + text + "}";
+  }
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (std::size_t i = 0; i < value.size() && i < kWordsOfArray; ++i) {
+    text += (i == 0 ? "" : " ") + words(value[i]);
+  }
+  if (value.size() > kWordsOfArray) text += " ... " + std::to_string(value.size()) + " values";
+  return "[" + text + "]";
+}
+
+std::string line(const Json& all, bool json) {
+  // Strings from the network may be invalid UTF-8 or contain terminal escape codes; ASCII output
+  // avoids both.
+  if (json) return all.dump(-1, ' ', true, Json::error_handler_t::replace);
+  std::string text;
+  for (const auto& [key, field] : all.items()) {
+    const bool is_text = field.is_string();
+    text += (text.empty() ? "" : " ") + key + "=" +
+            (is_text ? field.dump(-1, ' ', true, Json::error_handler_t::replace) : words(field));
+  }
+  return text;
+}
+
+template <class M>
+std::string message_text(const M& message, bool json) {
+  FieldsAsJson fields;
+  bus::visit_fields(message, fields);
+  return line(fields.json(), json);
+}
+
+std::string message_text(const bus::Message& message, bool json) {
+  return std::visit([json](const auto& m) { return message_text(m, json); }, message);
+}
 
 using bus::Channel;
 

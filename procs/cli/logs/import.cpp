@@ -1,29 +1,159 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/logs/import.hpp"
+#include "cli/logs/logs.hpp"
 
 #include <array>
+#include <cinttypes>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
 
 #include "bus/bot_core/bot_core_driver.hpp"
 #include "bus/messages/codec.hpp"
+#include "bus/messages/message.hpp"
 #include "bus/process/process.hpp"
-#include "cli/logs/import_bags.hpp"
-#include "cli/logs/imported_log.hpp"
+#include "cli/interruptible_work.hpp"
+#include "cli/paths.hpp"
 #include "io/bag/bag_reader.hpp"
+#include "io/bag/bag_recording.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
 #include "io/recording/rawlog.hpp"
 #include "io/recording/recording_folder.hpp"
 
 namespace orchard::cli {
 namespace {
+
+using NextMessage = std::function<std::optional<bus::Message>()>;
+
+/// Numbers of the imported messages and their range of time.
+struct Imported {
+  std::array<std::int64_t, bus::kNumChannels> num_messages{};
+  std::int64_t first_utime = 0;
+  std::int64_t last_utime = 0;
+  std::int64_t num_all = 0;
+};
+
+inline bus::Message as_message(io::SensorMessage sensed) {
+  return std::visit([](auto&& m) { return bus::Message(std::move(m)); }, std::move(sensed));
+}
+
+/// Writes messages to a log until `next` returns none. `num_all`: their number, 0 when unknown.
+/// Throws io::FileError.
+Imported write_imported(const NextMessage& next, std::uint64_t num_all,
+                        const std::string& out_path) {
+  make_parent_folder(out_path);
+  InterruptibleWork work("importing messages");
+  io::LogWriter writer(out_path);
+  Imported imported;
+  while (const auto message = next()) {
+    const bus::Channel channel = bus::channel_of(*message);
+    const std::int64_t utime = bus::utime_of(*message);
+    writer.write(utime, bus::info(channel).name, bus::encode(*message));
+    if (imported.num_all++ == 0) imported.first_utime = utime;
+    imported.last_utime = utime;
+    ++imported.num_messages[static_cast<std::size_t>(channel)];
+    work.update(static_cast<std::uint64_t>(imported.num_all), num_all);
+  }
+  work.finish();
+  writer.close();
+  return imported;
+}
+
+void print_imported(const std::string& out_path, const Imported& imported) {
+  std::printf("%s: %" PRId64 " messages over %.1f s:", out_path.c_str(), imported.num_all,
+              1e-6 * static_cast<double>(imported.last_utime - imported.first_utime));
+  for (const bus::ChannelInfo& channel : bus::kChannels) {
+    const std::int64_t num = imported.num_messages[static_cast<std::size_t>(channel.channel)];
+    if (num > 0) std::printf(" %" PRId64 " %s", num, std::string(channel.name).c_str());
+  }
+  std::printf("\n");
+}
+
+/// Prints the ignored inputs and their numbers.
+void print_ignored(const std::map<std::string, std::int64_t>& ignored) {
+  for (const auto& [what, num] : ignored) {
+    std::printf("not used: %" PRId64 " x %s\n", num, what.c_str());
+  }
+}
+
+constexpr std::size_t kMaxKinds = 100;  // max number of different reasons for the report
+
+/// The bag files; those in rosbag2 folders in their order.
+std::vector<std::string> files_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::vector<std::string> inside = io::bag_files(path);
+    if (inside.empty()) throw io::FileError(path + ": this folder has no bag (.bag, .mcap, .db3)");
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+/// The reason why a message is invalid; empty if it is valid.
+std::string objection_to(const bus::Message& message) {
+  const std::vector<std::uint8_t> bytes = bus::encode(message);
+  const auto checked = bus::decode(bus::channel_of(message), bytes.data(), bytes.size());
+  const auto* rejection = std::get_if<bus::Rejection>(&checked);
+  if (rejection == nullptr) return "";
+  return std::string(bus::to_string(rejection->reason)) + " (" + rejection->detail + ")";
+}
+
+/// Converts the bags of one drive to an LCM log; returns the exit code. Throws io::FileError.
+int import_bags(const ImportOptions& options) {
+  io::BagOptions bag_options;
+  bag_options.topics = io::parse_topic_choices(options.topics);
+  bag_options.slice = {options.slice_height_m, options.slice_thickness_m};
+  InterruptibleWork work("scanning bags");
+  io::BagRecording recording(
+      files_of(options.source_paths), bag_options,
+      [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
+  work.finish();
+  std::map<bus::Channel, std::int32_t> next_seq;
+  std::map<std::string, std::int64_t> refused;
+  const Imported imported = write_imported(
+      [&]() -> std::optional<bus::Message> {
+        while (auto sensed = recording.next()) {
+          bus::Message message = as_message(std::move(*sensed));
+          const bus::Channel channel = bus::channel_of(message);
+          std::visit([seq = next_seq[channel]](auto& m) { m.seq = seq; }, message);
+          const std::string objection = objection_to(message);
+          if (objection.empty()) {
+            ++next_seq[channel];
+            return message;
+          }
+          if (refused.size() < kMaxKinds) {
+            ++refused[std::string(bus::info(channel).name) + ": " + objection];
+          }
+        }
+        return std::nullopt;
+      },
+      recording.num_messages(), options.out_path);
+  for (const std::string& choice : recording.choices()) std::printf("%s\n", choice.c_str());
+  print_imported(options.out_path, imported);
+  print_ignored(recording.ignored());
+  print_ignored(refused);
+  for (const std::string& loss : recording.losses())
+    std::fprintf(stderr, "lost: %s\n", loss.c_str());
+  if (imported.num_all == 0) {
+    throw io::FileError(options.source_paths.front() +
+                        ": no message in it can be used; the reasons are listed above");
+  }
+  return bus::kExitOk;
+}
 
 /// The laser's extrinsics are not a message but belong to the rig's configuration: print them.
 void print_mount(const io::SensorMount& mount) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/logs/log_mcap.hpp"
+#include "cli/logs/logs.hpp"
 
 #include <cinttypes>
 #include <cstdio>
@@ -10,7 +10,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
-#include "cli/parent_folder.hpp"
+#include "cli/paths.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bag/foxglove_json.hpp"
 #include "io/bag/mcap_writer.hpp"

@@ -1,31 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/logs/simulate.hpp"
+#include "cli/logs/logs.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <variant>
 #include <vector>
 
-#include "bus/messages/codec.hpp"
-#include "bus/messages/service_messages.hpp"
 #include "bus/process/process.hpp"
-#include "cli/interruptible_work.hpp"
 #include "cli/logs/simulated_rig.hpp"
-#include "cli/parent_folder.hpp"
-#include "io/config/config.hpp"
+#include "cli/paths.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/truth_csv.hpp"
 #include "simulation/simulator.hpp"
 
 namespace orchard::cli {
 namespace {
-
-bus::Message to_message(const simulation::SensorMessage& sensed) {
-  return std::visit([](const auto& m) { return bus::Message(m); }, sensed);
-}
 
 /// The requested interval of the scene's time.
 struct Interval {
@@ -47,33 +38,6 @@ Interval interval_of(const SimulateOptions& options, std::int64_t scene_end_utim
         std::min(scene_end_utime, interval.begin_utime + after_us(options.duration_s));
   }
   return interval;
-}
-
-/// Writes the simulator's messages; returns their number.
-std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
-                       simulation::Simulator& simulator, const Interval& interval,
-                       std::int64_t& last_utime) {
-  InterruptibleWork work("simulating");
-  io::LogWriter writer(options.out_path);
-  std::int64_t num_messages = 0;
-  while (const auto sensed = simulator.next()) {
-    const bus::Message message = to_message(*sensed);
-    const std::int64_t utime = bus::utime_of(message);
-    if (options.duration_s > 0.0 && utime > interval.end_utime) break;
-    if (utime < interval.begin_utime) continue;
-    if (num_messages == 0) {
-      write_rig(writer, config, utime);
-      ++num_messages;
-    }
-    writer.write(utime, bus::info(bus::channel_of(message)).name, bus::encode(message));
-    ++num_messages;
-    last_utime = utime;
-    work.update(static_cast<std::uint64_t>(utime - simulation::kEpochUtime),
-                static_cast<std::uint64_t>(interval.end_utime - simulation::kEpochUtime));
-  }
-  work.finish();
-  writer.close();
-  return num_messages;
 }
 
 }  // namespace
@@ -98,12 +62,12 @@ int run_simulate(const SimulateOptions& options) {
                 poses.end());
   }
 
-  std::int64_t last_utime = interval.begin_utime;
-  const std::int64_t num_messages = write_log(options, config, simulator, interval, last_utime);
-  std::printf("%s: %" PRId64 " messages, %.1f s of scene %s, seed %" PRIu64 "\n",
-              options.out_path.c_str(), num_messages,
-              static_cast<double>(last_utime - interval.begin_utime) * 1e-6, options.scene.c_str(),
-              options.seed);
+  write_simulated_log(options, config, interval.begin_utime, interval.end_utime,
+                      [&simulator]() -> std::optional<bus::Message> {
+                        const auto sensed = simulator.next();
+                        if (!sensed) return std::nullopt;
+                        return std::visit([](const auto& m) { return bus::Message(m); }, *sensed);
+                      });
   if (!options.truth_path.empty()) {
     io::write_truth_csv(options.truth_path, simulator.truth());
     std::printf("%s: %zu true objects\n", options.truth_path.c_str(), simulator.truth().size());

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/maps/compare.hpp"
+#include "cli/maps/maps.hpp"
 
 #include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
 
 #include "bus/process/process.hpp"
-#include "cli/maps/map_input.hpp"
-#include "cli/maps/map_registration.hpp"
+#include "cli/maps/stored_maps.hpp"
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
 #include "io/map/comparison_files.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/maps/merge.hpp"
+#include "cli/maps/maps.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -13,9 +13,7 @@
 #include <utility>
 
 #include "bus/process/process.hpp"
-#include "cli/maps/map_corrections.hpp"
-#include "cli/maps/map_registration.hpp"
-#include "cli/maps/stored_content.hpp"
+#include "cli/maps/stored_maps.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "io/atomic_file.hpp"

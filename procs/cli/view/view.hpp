@@ -18,6 +18,6 @@ struct ViewOptions {
 
 /// Serves the page until Ctrl-C; returns the exit code. Throws io::FileError, io::ConfigError,
 /// std::runtime_error.
-int run_view(const ViewOptions& options);
+[[gnu::weak]] int run_view(const ViewOptions& options);
 
 }  // namespace orchard::cli

@@ -11,7 +11,7 @@
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
-#include "cli/calibrate/appearance_values.hpp"
+#include "cli/calibrate/calibration_run.hpp"
 #include "experiments/appearance/appearance_collector.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
-#include "evaluation/error_summary_json.hpp"
+#include "evaluation/map_evaluation.hpp"
 #include "experiments/detections/detection_evaluation.hpp"
 
 namespace orchard::evaluation {

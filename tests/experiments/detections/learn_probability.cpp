@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bus/process/process.hpp"
-#include "cli/calibrate/write_probability.hpp"
+#include "cli/calibrate/calibration_run.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"

@@ -3,8 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/field/status_text.hpp"
-
 namespace orchard::cli {
 namespace {
 

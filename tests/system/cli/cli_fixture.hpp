@@ -8,6 +8,10 @@
 
 namespace orchard::cli_test {
 
+/// The first line of a map.csv.
+inline constexpr const char* kMapHeader =
+    "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
+
 /// How a program ended and what it said.
 struct Result {
   int exit_code = -1;  ///< 128 + signal when it was killed

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A scene has a rig of its own, a log carries it, and `orchard map` maps by it.
 #include <gmock/gmock.h>
-
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "bus/messages/channel.hpp"
+#include "bus/messages/codec.hpp"
+#include "bus/messages/service_messages.hpp"
+#include "io/config/config_file.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
 #include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
@@ -99,5 +106,347 @@ TEST_F(LogCommand, WhatIsNoLogIsRefused) {
   EXPECT_FALSE(exists(path("repaired.lcm")));
 }
 
+class BadInput : public CliTest {
+ protected:
+  /// One clear sentence that names the file, exit code 3, and no map.
+  void expect_refused(const std::string& log_path) const {
+    const Result result = map(log_path);
+    EXPECT_EQ(result.exit_code, 3) << log_path << "\n" << result.out;
+    EXPECT_THAT(result.err, HasSubstr(std::filesystem::path(log_path).filename().string()));
+    EXPECT_EQ(count_lines(result.err), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_FALSE(exists(path("map/map.csv")));
+    EXPECT_FALSE(exists(path("map/derived.lcm")));
+  }
+
+  /// The number behind a key of summary.json's counts.
+  long summary_count(const std::string& key) const {
+    const auto summary = nlohmann::json::parse(read_file(path("map/summary.json")));
+    const auto& counts = summary["counts"];
+    if (counts.contains(key)) return counts[key].get<long>();
+    ADD_FAILURE() << "summary.json has no " << key;
+    return -1;
+  }
+};
+
+TEST_F(BadInput, NoSuchLog) { expect_refused(path("none.lcm")); }
+
+TEST_F(BadInput, AFolderIsNoLog) { expect_refused(std::filesystem::path(path("x")).parent_path()); }
+
+TEST_F(BadInput, EmptyLog) {
+  write_file(path("empty.lcm"), "");
+  expect_refused(path("empty.lcm"));
+}
+
+TEST_F(BadInput, NotALog) {
+  write_file(path("text.lcm"), std::string(5000, 'x'));
+  expect_refused(path("text.lcm"));
+}
+
+TEST_F(BadInput, NoChannelThatWeKnow) {
+  io::LogWriter writer(path("other.lcm"));
+  for (int i = 0; i < 20; ++i) writer.write(i, "CAMERA_LEFT", {1, 2, 3});
+  writer.close();
+  expect_refused(path("other.lcm"));
+}
+
+TEST_F(BadInput, NoScan) {
+  io::LogReader reader(log());
+  io::LogWriter writer(path("blind.lcm"));
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(bus::Channel::kScan).name) {
+      writer.write(event->timestamp_us, event->channel, event->data);
+    }
+  }
+  writer.close();
+  expect_refused(path("blind.lcm"));
+}
+
+TEST_F(BadInput, NothingSaysWhereTheRobotWas) {
+  io::LogReader reader(log());
+  io::LogWriter writer(path("lost.lcm"));
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(bus::Channel::kPoseFix).name) {
+      writer.write(event->timestamp_us, event->channel, event->data);
+    }
+  }
+  writer.close();
+  expect_refused(path("lost.lcm"));
+}
+
+TEST_F(BadInput, ALogCutShortIsMappedAsFarAsItGoes) {
+  const std::string bytes = read_file(log());
+  write_file(path("cut.lcm"), bytes.substr(0, bytes.size() * 7 / 10 + 11));
+  const Result result = map(path("cut.lcm"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("warning"));
+  EXPECT_TRUE(exists(path("map/map.csv")));
+  EXPECT_GT(summary_count("damaged_bytes"), 0);
+  std::filesystem::remove_all(path("map"));
+  const Result strict = map(path("cut.lcm"), {"--strict"});
+  EXPECT_EQ(strict.exit_code, 3);
+  EXPECT_EQ(count_lines(strict.err), 1) << strict.err;
+  EXPECT_FALSE(exists(path("map/map.csv")));
+}
+
+TEST_F(BadInput, DamageInTheMiddleCostsOnlyWhatItHit) {
+  std::string bytes = read_file(log());
+  bytes.replace(bytes.size() / 3, 600, std::string(600, '\xff'));
+  write_file(path("damaged.lcm"), bytes);
+  const Result result = map(path("damaged.lcm"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(exists(path("map/map.csv")));
+  // 600 bytes touch at most two messages.
+  const long num_all = num_messages(log(), "SCAN") * 3 + 1;  // scan, picture and fix; the rig once
+  EXPECT_GE(summary_count("events"), num_all - 2);
+  EXPECT_LT(summary_count("events"), num_all + 1);
+}
+
+TEST_F(BadInput, AMessageThatContradictsItselfIsCountedAndDropped) {
+  io::LogReader reader(log());
+  io::LogWriter writer(path("contradiction.lcm"));
+  bool broken = false;
+  while (auto event = reader.next()) {
+    if (!broken && event->channel == bus::info(bus::Channel::kScan).name) {
+      event->data.resize(event->data.size() - 40);  // fewer ranges than it says
+      broken = true;
+    }
+    writer.write(event->timestamp_us, event->channel, event->data);
+  }
+  writer.close();
+  const Result result = map(path("contradiction.lcm"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("warning"));
+  EXPECT_EQ(summary_count("in_SCAN"), num_messages(log(), "SCAN") - 1);
+  EXPECT_EQ(map(path("contradiction.lcm"), {"--strict"}).exit_code, 3);
+  EXPECT_EQ(orchard({"log", "check", path("contradiction.lcm")}).exit_code, 3);
+}
+
+TEST_F(BadInput, ThreeMistakesInAConfigurationAreAllNamed) {
+  write_file(path("rig.yaml"),
+             "detector:\n"
+             "  tree_threshold: 1.9\n"
+             "  colour_modle: appearance\n"
+             "mapper:\n"
+             "  gate_m: near\n");
+  const Result result = orchard({"map", log(), "--config", path("rig.yaml"), "--out", path("map")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("rig.yaml:2: detector.tree_threshold = 1.9"));
+  EXPECT_THAT(result.err, HasSubstr("rig.yaml:3: detector.colour_modle"));
+  EXPECT_THAT(result.err, HasSubstr("did you mean colour_model?"));
+  EXPECT_THAT(result.err, HasSubstr("rig.yaml:5: mapper.gate_m = near"));
+  EXPECT_EQ(count_lines(result.err), 3) << result.err;
+  EXPECT_FALSE(exists(path("map")));
+}
+
+TEST_F(BadInput, AFailedRunLeavesTheLastMap) {
+  ASSERT_EQ(map(log()).exit_code, 0);
+  const std::string before = read_file(path("map/map.csv"));
+  write_file(path("empty.lcm"), "");
+  EXPECT_EQ(map(path("empty.lcm")).exit_code, 3);
+  EXPECT_EQ(read_file(path("map/map.csv")), before);
+}
+
+TEST_F(BadInput, OutputThatCannotBeWritten) {
+  write_file(path("map"), "a file where the folder should be");
+  const Result result = map(log());
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(count_lines(result.err), 1) << result.err;
+}
+
+TEST_F(BadInput, AFullDiskLeavesTheLastGoodMap) {
+  // A disk of our own that is full: a tmpfs in a private mount namespace.
+  const std::string script = path("full_disk.sh");
+  write_file(script,
+             "set -e\n"
+             "folder=$1; tool=$2; log=$3; config=$4; other=$5\n"
+             "mkdir $folder/disk\n"
+             "mount -t tmpfs -o size=8m tmpfs $folder/disk || exit 77\n"
+             "$tool map $log --config $config --out $folder/disk/map --quiet\n"
+             "all() { find $folder/disk/map -type f -print0 | sort -z | xargs -0 sha256sum; }\n"
+             "before=$(all)\n"
+             "cat /dev/zero >$folder/disk/ballast 2>/dev/null || true\n"
+             "code=0\n"
+             "$tool map $other --config $config --out $folder/disk/map --quiet || code=$?\n"
+             "[ \"$before\" = \"$(all)\" ] || exit 78\n"
+             "exit $code\n");
+  const std::string other = path("other.lcm");
+  ASSERT_EQ(
+      orchard({"simulate", "--scene", "tubes", "--seed", "4", "--out", other, "--config", config()})
+          .exit_code,
+      0);
+  const std::string folder = std::filesystem::path(script).parent_path();
+  const Result result = run({"unshare", "-rm", "bash", script, folder,
+                             ORCHARD_BUILD_DIR "/bin/orchard", log(), config(), other});
+  if (result.exit_code == 77 || result.err.find("unshare") != std::string::npos) {
+    GTEST_SKIP() << "no mount namespace is allowed here: " << result.err;
+  }
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("map"));
+  EXPECT_EQ(count_lines(result.err), 1) << result.err;
+}
+
+using ::testing::Not;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+class LoggedRig : public CliTest {
+ protected:
+  /// The drive's log with these CONFIG messages in place of its own.
+  void write_log(const std::string& name, const std::vector<bus::ConfigNotice>& notices) const {
+    const std::string channel(bus::info(bus::Channel::kConfig).name);
+    io::LogReader reader(log());
+    io::LogWriter writer(path(name));
+    for (const bus::ConfigNotice& notice : notices) writer.write(1, channel, bus::encode(notice));
+    while (const auto event = reader.next()) {
+      if (event->channel != channel) writer.write(event->timestamp_us, event->channel, event->data);
+    }
+    writer.close();
+  }
+
+  static bus::ConfigNotice notice(const std::string& process, const std::string& yaml) {
+    bus::ConfigNotice notice;
+    notice.name = process;
+    notice.version = "0.0";
+    notice.text = yaml;
+    notice.hash = io::text_hash(yaml);
+    return notice;
+  }
+
+  static std::string rig_of_log() { return orchard({"log", "config", log()}).out; }
+};
+
+TEST_F(LoggedRig, TheFirstTourFindsEverything) {
+  const std::string drive = path("out/tubes.lcm"), truth = path("out/truth.csv");
+  ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--out", drive, "--truth", truth}).exit_code,
+            0);
+  const Result mapped = orchard({"map", drive, "--out", path("out/tubes")});
+  ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
+  EXPECT_EQ(mapped.err, "");
+  const Result result =
+      orchard({"evaluate", path("out/tubes"), "--truth", truth, "--json", "--check"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_LT(json.at("error_all").at("rms_m").get<double>(), 0.008) << result.out;
+}
+
+TEST_F(LoggedRig, ASceneIsDrivenWithTheRigOfItsName) {
+  for (const std::string scene : {"tubes", "orchard"}) {
+    std::vector<std::string> drive{"simulate", "--scene", scene, "--duration", "2", "--out"};
+    drive.push_back(path("own.lcm"));
+    ASSERT_EQ(orchard(drive).exit_code, 0);
+    drive.back() = path("given.lcm");
+    drive.insert(drive.end(), {"--config", ORCHARD_SOURCE_DIR "/config/" + scene + ".yaml"});
+    ASSERT_EQ(orchard(drive).exit_code, 0);
+    EXPECT_TRUE(read_file(path("own.lcm")) == read_file(path("given.lcm"))) << scene;
+  }
+}
+
+TEST_F(LoggedRig, MapsByTheLogsOwnRig) {
+  ASSERT_EQ(orchard({"map", log(), "--out", path("own")}).exit_code, 0);
+  const Result given = map(log());
+  ASSERT_EQ(given.exit_code, 0);
+  EXPECT_EQ(given.err, "");
+  for (const char* file : {"map.csv", "derived.lcm", "summary.json"}) {
+    EXPECT_TRUE(read_file(path("own/") + file) == read_file(path("map/") + file)) << file;
+  }
+}
+
+TEST_F(LoggedRig, IsPrintedAsAFileThatConfigReads) {
+  const Result printed = orchard({"log", "config", log()});
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  write_file(path("printed.yaml"), printed.out);
+  const Result mapped =
+      orchard({"map", log(), "--config", path("printed.yaml"), "--out", path("map")});
+  EXPECT_EQ(mapped.exit_code, 0);
+  EXPECT_EQ(mapped.err, "");
+}
+
+TEST_F(LoggedRig, AnotherRigSaysWhatDiffersBeforeItMaps) {
+  std::string other = replaced(rig_of_log(), "tree_threshold: 0.6", "tree_threshold: 0.55");
+  other = replaced(other, "hue_max_deg: 40", "hue_max_deg: 41");
+  other = replaced(other, "num_steps: 19", "num_steps: 18");  // of the simulated world: no matter
+  write_file(path("other.yaml"), other);
+  const Result result =
+      orchard({"map", log(), "--config", path("other.yaml"), "--out", path("map"), "--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("detector.tree_threshold: 0.6 -> 0.55"));
+  EXPECT_THAT(result.err, HasSubstr("detector.colour.hue_max_deg: 40 -> 41"));
+  EXPECT_EQ(count_lines(result.err), 3) << result.err;
+  // What differs is said even when mapping fails at once.
+  write_file(path("file"), "");
+  EXPECT_THAT(orchard({"map", log(), "--config", path("other.yaml"), "--out", path("file")}).err,
+              HasSubstr("0.6 -> 0.55"));
+}
+
+TEST_F(LoggedRig, IsAskedForWhereTheLogHasNone) {
+  write_log("bare.lcm", {});
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"map", path("bare.lcm"), "--out", path("map")},
+        std::vector<std::string>{"log", "config", path("bare.lcm")}}) {
+    const Result result = orchard(command);
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.err, HasSubstr("--config FILE"));
+    EXPECT_THAT(result.err, HasSubstr("bare.lcm"));
+  }
+  EXPECT_EQ(map(path("bare.lcm")).exit_code, 0);
+}
+
+TEST_F(LoggedRig, AContradictedHashIsNoRig) {
+  bus::ConfigNotice damaged = notice("orchard-detector", rig_of_log());
+  damaged.text = replaced(damaged.text, "tree_threshold: 0.6", "tree_threshold: 0.7");
+  write_log("damaged.lcm", {damaged});
+  EXPECT_EQ(orchard({"map", path("damaged.lcm"), "--out", path("map")}).exit_code, 3);
+}
+
+TEST_F(LoggedRig, ProcessesThatDisagreeAreNamed) {
+  const std::string rig = rig_of_log();
+  const std::string other = replaced(rig, "tree_threshold: 0.6", "tree_threshold: 0.7");
+  const std::string elsewhere = replaced(rig, "udpm://239.255.76.67", "udpm://239.255.76.68");
+  write_log("two.lcm", {notice("orchard-sim-driver", rig), notice("orchard-detector", other)});
+  write_log("same.lcm", {notice("orchard-sim-driver", rig), notice("orchard-pose", elsewhere)});
+  const Result result = orchard({"map", path("two.lcm"), "--out", path("map")});
+  EXPECT_EQ(result.exit_code, 3);
+  for (const char* word : {"orchard-sim-driver", "orchard-detector", "--config",
+                           "detector.tree_threshold: 0.6 -> 0.7"}) {
+    EXPECT_THAT(result.err, HasSubstr(word));
+  }
+  EXPECT_EQ(orchard({"log", "config", path("two.lcm")}).exit_code, 3);
+  const Result one = orchard({"log", "config", path("two.lcm"), "--process", "orchard-detector"});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_THAT(one.out, HasSubstr("tree_threshold: 0.7"));
+  EXPECT_EQ(orchard({"log", "config", path("two.lcm"), "--process", "orchard-x"}).exit_code, 3);
+  // Another network is no other rig.
+  EXPECT_EQ(orchard({"map", path("same.lcm"), "--out", path("map")}).exit_code, 0);
+  // A given rig that is one of the two needs no word.
+  write_file(path("other.yaml"), other);
+  EXPECT_EQ(
+      orchard({"map", path("two.lcm"), "--config", path("other.yaml"), "--out", path("map")}).err,
+      "");
+}
+
+TEST_F(LoggedRig, ARigOfANewerReleaseIsNotGuessed) {
+  bus::ConfigNotice newer = notice("orchard-detector", "detector:\n  cleverness: 11\n");
+  newer.version = "99.10.0";
+  write_log("newer.lcm", {newer});
+  const Result result = orchard({"map", path("newer.lcm"), "--out", path("map")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("cleverness: unknown key"));
+  EXPECT_THAT(result.err, HasSubstr("--config FILE"));
+  EXPECT_THAT(map(path("newer.lcm")).err, HasSubstr("detector.cleverness: 11 -> (none)"));
+}
+
+TEST_F(LoggedRig, AnOlderReleaseMayHaveKeysThatWentAndSaysSo) {
+  write_log("older.lcm", {notice("orchard-detector", "detector:\n  cleverness: 11\n")});
+  const Result result = orchard({"map", path("older.lcm"), "--out", path("map")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("detector.cleverness = 11 is no key of this version"));
+}
+
 }  // namespace
+
 }  // namespace orchard::cli_test

@@ -1,21 +1,149 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gmock/gmock.h>
-
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
 #include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {
 
 using ::testing::HasSubstr;
+
+TEST(CommandLine, HelpIsEnoughToStart) {
+  const Result result = orchard({"--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* command :
+       {"simulate", "import", "map", "evaluate", "log", "echo", "doctor", "calibrate",
+        "Exit codes: 0 success, 1 failed or interrupted, 2 bad command line"}) {
+    EXPECT_THAT(result.out, HasSubstr(command));
+  }
+}
+
+TEST(CommandLine, EveryCommandShowsExamples) {
+  const std::vector<std::vector<std::string>> commands{
+      {"simulate"},           {"import"},       {"map"},  {"evaluate"}, {"log"},
+      {"log", "info"},        {"log", "check"}, {"echo"}, {"doctor"},   {"log", "repair"},
+      {"calibrate", "trunks"}};
+  for (std::vector<std::string> command : commands) {
+    std::string words = "orchard";
+    for (const std::string& word : command) words += " " + word;
+    command.push_back("--help");
+    const Result result = orchard(command);
+    EXPECT_EQ(result.exit_code, 0) << words;
+    EXPECT_THAT(result.out, HasSubstr("Example")) << words;
+    EXPECT_THAT(result.out, HasSubstr(words)) << words;
+  }
+}
+
+TEST(CommandLine, VersionIsPrinted) {
+  const Result result = orchard({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("orchard 0."));
+}
+
+TEST(CommandLine, EveryCommandKnowsHelpAndVersion) {
+  const std::vector<std::vector<std::string>> commands{{},
+                                                       {"map"},
+                                                       {"simulate"},
+                                                       {"import"},
+                                                       {"overlay"},
+                                                       {"compare"},
+                                                       {"merge"},
+                                                       {"echo"},
+                                                       {"doctor"},
+                                                       {"log"},
+                                                       {"log", "info"},
+                                                       {"log", "config"},
+                                                       {"evaluate"},
+                                                       {"evaluate", "trajectory"},
+                                                       {"calibrate"},
+                                                       {"calibrate", "camera"},
+                                                       {"calibrate", "laser-camera"},
+                                                       {"calibrate", "trunks"},
+                                                       {"calibrate", "probability"},
+                                                       {"calibrate", "delay"}};
+  for (const std::vector<std::string>& command : commands) {
+    std::vector<std::string> help{"help"}, long_help(command), version(command);
+    help.insert(help.end(), command.begin(), command.end());
+    long_help.push_back("--help");
+    version.push_back("-V");
+    const Result helped = orchard(help);
+    EXPECT_EQ(helped.exit_code, 0) << helped.err;
+    EXPECT_EQ(helped.out, orchard(long_help).out);
+    // The words of the library that reads the command line stay inside.
+    for (const char* inner : {"->", "ENUM", "FLOAT", "UINT", "INT:", "NONNEGATIVE", "POSITIVE",
+                              "REQUIRED", "Excludes:", "Needs:", "SUBCOMMAND", " OR {"}) {
+      EXPECT_THAT(helped.out, ::testing::Not(HasSubstr(inner)));
+    }
+    EXPECT_EQ(orchard(version).exit_code, 0);
+    EXPECT_THAT(orchard(version).out, HasSubstr("orchard 0."));
+  }
+  EXPECT_EQ(orchard({"help", "mpa"}).exit_code, 2);
+  for (const char* process : {"orchard-sim-driver", "orchard-log-player"}) {
+    EXPECT_THAT(run({std::string(ORCHARD_BUILD_DIR "/bin/") + process, "-V"}).out,
+                HasSubstr(std::string(process) + " 0."));
+  }
+}
+
+TEST(CommandLine, TheSimDriverSaysHowLongItTakes) {
+  const Result result = run({ORCHARD_BUILD_DIR "/bin/orchard-sim-driver", "--scene", "tubes",
+                             "--lcm-url", "memq://", "--speed", "100"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("publishing 18 s of messages at speed 100, which takes 1 s"));
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("%")));  // no bar where no person watches
+}
+
+TEST(CommandLine, AnglesAreInRadians) {
+  for (const char* command : {"map", "compare", "merge"}) {
+    const std::string help = orchard({"help", command}).out;
+    EXPECT_THAT(help, HasSubstr("--max-turn-rad"));
+    EXPECT_THAT(help, ::testing::Not(HasSubstr("[degrees]")));
+  }
+  // The name of the last release still works and names the new one.
+  const Result old = orchard({"compare", "a", "b", "--max-turn", "10"});
+  EXPECT_EQ(old.exit_code, 3);
+  EXPECT_THAT(old.err, HasSubstr("--max-turn-rad"));
+}
+
+TEST(CommandLine, MisspeltWordsGetASuggestion) {
+  EXPECT_EQ(orchard({"mpa"}).exit_code, 2);
+  EXPECT_THAT(orchard({"mpa"}).err, HasSubstr("did you mean map?"));
+  EXPECT_THAT(orchard({"evalaute", "x"}).err, HasSubstr("did you mean evaluate?"));
+  EXPECT_THAT(orchard({"log", "inof", "x"}).err, HasSubstr("did you mean info?"));
+  const Result option = orchard({"map", "x.lcm", "--confg", "y.yaml", "--out", "z"});
+  EXPECT_EQ(option.exit_code, 2);
+  EXPECT_THAT(option.err, HasSubstr("did you mean --config?"));
+}
+
+TEST(CommandLine, FarFetchedWordsGetNone) {
+  const Result result = orchard({"xylophone"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("did you mean")));
+}
+
+TEST(CommandLine, WhatIsMissingIsNamed) {
+  EXPECT_EQ(orchard({}).exit_code, 2);
+  EXPECT_EQ(orchard({"log"}).exit_code, 2);
+  const Result result = orchard({"map", "x.lcm"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--out"));
+}
+
+TEST(CommandLine, UnknownSceneIsABadCommandLine) {
+  const Result result = orchard({"simulate", "--scene", "moon", "--out", "/nonexistent/x"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("tubes"));
+}
 
 class MapCommand : public CliTest {};
 
@@ -194,5 +322,93 @@ TEST_F(MapCommand, SimulationStopsAfterTheDuration) {
   EXPECT_EQ(count_lines(read_file(path("poses.csv"))), 17);    // a header, and one per scan
 }
 
+class Overlay : public CliTest {
+ protected:
+  Result overlay(const std::string& log_path, const std::string& at) const {
+    return orchard(
+        {"overlay", log_path, "--at", at, "--config", config(), "--out", path("overlay.png")});
+  }
+  void expect_refused(const Result& result, const std::string& why) const {
+    EXPECT_EQ(result.exit_code, 3) << result.out;
+    EXPECT_THAT(result.err, HasSubstr(why));
+    EXPECT_LE(count_lines(result.err), 3) << result.err;  // at most with the key that differs
+    EXPECT_FALSE(exists(path("overlay.png")));
+  }
+};
+
+TEST_F(Overlay, DrawsThePairNearestToATime) {
+  const Result result = overlay(log(), "3.4");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const cv::Mat drawn = cv::imread(path("overlay.png"));
+  ASSERT_EQ(drawn.cols, 1280);  // 320 pixels four times
+  EXPECT_GT(drawn.rows, 960);
+  const std::string bytes = read_file(path("overlay.png"));
+  // Stops are a second apart, so the third is meant; the same by its utime.
+  ASSERT_EQ(overlay(log(), "1385942403000000").exit_code, 0);
+  EXPECT_EQ(read_file(path("overlay.png")), bytes);
+  ASSERT_EQ(overlay(log(), "5").exit_code, 0);
+  EXPECT_NE(read_file(path("overlay.png")), bytes);
+}
+
+TEST_F(Overlay, SaysWhatIsWrong) {
+  expect_refused(overlay(log(), "9999"), "give --at within it");
+  expect_refused(overlay(log(), "-1"), "give --at within it");
+  expect_refused(overlay(path("none.lcm"), "1"), "none.lcm");
+  write_file(path("empty.lcm"), "");
+  expect_refused(overlay(path("empty.lcm"), "1"), "empty.lcm");
+  EXPECT_EQ(overlay(log(), "soon").exit_code, 2);
+
+  io::LogWriter blind(path("blind.lcm")), early(path("early.lcm"));
+  io::LogReader reader(log());
+  int num_images = 0;
+  while (const auto event = reader.next()) {
+    const bool is_image = event->channel == bus::info(bus::Channel::kImage).name;
+    if (!is_image) blind.write(event->timestamp_us, event->channel, event->data);
+    if (is_image && ++num_images > 2) continue;
+    early.write(event->timestamp_us, event->channel, event->data);
+  }
+  blind.close();
+  early.close();
+  expect_refused(overlay(path("blind.lcm"), "1"), "IMAGE");
+  expect_refused(overlay(path("early.lcm"), "9"), "no pair of scan and picture");
+}
+
+TEST_F(Overlay, ARigOfAnotherCameraIsRefused) {
+  std::string rig = read_file(config());
+  const std::size_t at = rig.find("width_px: 320");
+  ASSERT_NE(at, std::string::npos);
+  rig.replace(at, 13, "width_px: 640");
+  write_file(path("rig.yaml"), rig);
+  expect_refused(orchard({"overlay", log(), "--at", "3", "--config", path("rig.yaml"), "--out",
+                          path("overlay.png")}),
+                 "320x240");
+}
+
+TEST_F(Overlay, ADelayNeedsADriveThatTurns) {
+  const std::string before = read_file(config());
+  const auto calibrate = [&](const std::string& log_path, const std::string& rig) {
+    return orchard({"calibrate", "delay", log_path, "--config", rig, "--out", path("rig.yaml")});
+  };
+  const Result standing = calibrate(log(), config());
+  EXPECT_EQ(standing.exit_code, 3);
+  EXPECT_THAT(standing.err, HasSubstr("ODOMETRY"));
+  EXPECT_EQ(count_lines(standing.err), 1) << standing.err;
+
+  const std::string orchard_rig = ORCHARD_SOURCE_DIR "/config/orchard.yaml";
+  ASSERT_EQ(orchard({"simulate", "--scene", "orchard", "--seed", "6", "--config", orchard_rig,
+                     "--out", path("straight.lcm"), "--duration", "8"})
+                .exit_code,
+            0);
+  const Result straight = calibrate(path("straight.lcm"), orchard_rig);
+  EXPECT_EQ(straight.exit_code, 3);
+  EXPECT_THAT(straight.err, HasSubstr("hardly turned"));
+  EXPECT_EQ(count_lines(straight.err), 1) << straight.err;
+
+  EXPECT_EQ(calibrate(path("none.lcm"), orchard_rig).exit_code, 3);
+  EXPECT_FALSE(exists(path("rig.yaml")));
+  EXPECT_EQ(read_file(config()), before);
+}
+
 }  // namespace
+
 }  // namespace orchard::cli_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/trajectory/trajectory_evaluation.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
 
 #include <gtest/gtest.h>
 

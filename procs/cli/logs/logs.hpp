@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace orchard::cli {
+
+struct EchoOptions {
+  std::string channel;      ///< such as SCAN
+  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
+  std::string config_path;  ///< of the rig; empty: none
+  bool json = false;        ///< one JSON object per line instead of text
+  std::int64_t count = 0;   ///< ends after this many messages; 0: at Ctrl-C
+};
+
+/// Prints the messages of a channel, one line each, until stopped. Text shortens arrays longer than
+/// eight; JSON has them whole, except the bytes of a picture. Returns the exit code.
+[[gnu::weak]] int run_echo(const EchoOptions& options);
+
+/// `orchard import FOLDER|RAWLOG|BAG...|LOG --out LOG`.
+struct ImportOptions {
+  /// A recording folder (with sensors.yaml), an MRPT rawlog, an LCM log of a robot with libbot's
+  /// types, or one or more ROS bags (files, or folders of rosbag2).
+  std::vector<std::string> source_paths;
+  std::string out_path;
+  std::string config_path;          ///< rig whose drivers.bot_core tells how to read an LCM log
+  std::vector<std::string> topics;  ///< KIND=TOPIC, for bags
+  double slice_height_m = 0.0;      ///< for clouds, above the scanner
+  double slice_thickness_m = 0.3;
+};
+
+/// Converts a recording to an LCM log; returns the exit code. Throws io::FileError.
+[[gnu::weak]] int run_import(const ImportOptions& options);
+
+/// `orchard log info|check|config|repair LOG`.
+struct LogOptions {
+  std::string log_path;
+  std::vector<std::string> log_paths;  ///< for info, instead: one log, or its parts
+  std::string out_path;                ///< for repair
+  bool json = false;                   ///< for info and check
+  std::string process;  ///< for config: the rig of this process; empty: the common one
+};
+
+/// Prints the content of a log: channels, counts, rates, times. Returns the exit code.
+[[gnu::weak]] int run_log_info(const LogOptions& options);
+
+/// Prints all faults of a log; returns exit code 3 when there are any.
+[[gnu::weak]] int run_log_check(const LogOptions& options);
+
+/// Prints the rig stored in a log (CONFIG) as YAML for --config.
+[[gnu::weak]] int run_log_config(const LogOptions& options);
+
+/// Writes a new log with all readable messages. Refuses to overwrite the old one.
+[[gnu::weak]] int run_log_repair(const LogOptions& options);
+
+/// `orchard log mcap LOG... --out FILE`.
+struct LogMcapOptions {
+  std::vector<std::string> log_paths;
+  std::string map_path;     ///< map folder or map.csv of the log; empty: none
+  std::string config_path;  ///< empty: the rig stored in the log
+  std::string out_path;
+};
+
+/// Converts a log, and its map, to MCAP for Foxglove and Lichtblick; returns the exit code. Throws
+/// io::FileError and io::ConfigError.
+[[gnu::weak]] int run_log_mcap(const LogMcapOptions& options);
+
+/// `orchard simulate --scene tubes|orchard|park|yard --seed N --out LOG`.
+struct SimulateOptions {
+  std::string scene;
+  std::uint64_t seed = 1;
+  std::string out_path;
+  std::string truth_path;   ///< CSV of the true objects; empty: do not write
+  std::string poses_path;   ///< CSV of the true poses of base; empty: do not write
+  std::string config_path;  ///< empty: the scene's own rig
+  double from_s = 0.0;      ///< start of the log in scene time
+  double duration_s = 0.0;  ///< of the log; 0: until the end of the scene
+};
+
+/// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give
+/// identical bytes. Throws io::FileError and io::ConfigError.
+[[gnu::weak]] int run_simulate(const SimulateOptions& options);
+
+/// `orchard simulate --scene board`: writes the log for `orchard calibrate laser-camera`. The rig's
+/// own `camera` is the truth; there is no map, so --truth and --poses are rejected.
+[[gnu::weak]] int run_simulate_board(const SimulateOptions& options);
+
+}  // namespace orchard::cli

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `orchard calibrate trunks`, from drives and from pictures, and `orchard calibrate probability`.
+#include <gmock/gmock.h>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/recording/truth_csv.hpp"
+#include "system/calibration/calibration_fixture.hpp"
+
+namespace orchard {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class CalibrateCommand : public CalibrationTest {
+ protected:
+  void SetUp() override {
+    CalibrationTest::SetUp();
+    rig_ = folder_ / "rig.yaml";
+    fs::copy_file(ORCHARD_SOURCE_DIR "/config/tubes.yaml", rig_);
+  }
+  std::string simulate(int seed) const {
+    const std::string log = path("tubes_" + std::to_string(seed) + ".lcm");
+    const Outcome outcome = run("simulate --scene tubes --seed " + std::to_string(seed) +
+                                " --config " + rig_.string() + " --out " + log);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return log;
+  }
+
+  fs::path rig_;
+};
+
+/// The number in the line "24 trunks, 134 observations: ...".
+int num_trunks(const std::string& output) {
+  const std::size_t at = output.find(" trunks, ");
+  if (at == std::string::npos) return 0;
+  return std::atoi(output.c_str() + output.rfind('\n', at) + 1);
+}
+
+TEST_F(CalibrateCommand, WritesWhatItMeasuredIntoTheRig) {
+  // A rig that believes in trunks twice as wide and of another colour.
+  std::string rig = text_of(rig_);
+  for (const auto& [key, value] : {std::pair<std::string, std::string>{"mean_m:", "0.2"},
+                                   {"hue_min_deg:", "200"},
+                                   {"hue_max_deg:", "220"}}) {
+    const std::size_t at = rig.find("    " + key) + 4 + key.size();
+    rig.replace(at, rig.find('\n', at) - at, " " + value);
+  }
+  std::ofstream(rig_) << rig;
+
+  const std::string logs = simulate(1001) + " " + simulate(1002);
+  const std::string out = path("calibrated.yaml");
+  const Outcome outcome =
+      run("calibrate trunks " + logs + " --config " + rig_.string() + " --out " + out);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto config = io::load_config(out);
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.003);
+  EXPECT_GT(config.detector.width.sd_m, 0.002);
+  EXPECT_LT(config.detector.width.sd_m, 0.012);
+  EXPECT_GT(config.detector.colour.hue_min_deg, 10.0);
+  EXPECT_LT(config.detector.colour.hue_max_deg, 55.0);
+  // 24 stand there. In so few pictures one or two of them look like anything else.
+  EXPECT_GE(num_trunks(outcome.output), 21) << outcome.output;
+  EXPECT_LE(num_trunks(outcome.output), 24) << outcome.output;
+  EXPECT_THAT(text_of(out), HasSubstr("# The rig of the paper's simulated environment"));
+  EXPECT_EQ(text_of(rig_), rig);  // the input stays as it was
+}
+
+TEST_F(CalibrateCommand, KeepsTheOldFileWhenItWritesInPlace) {
+  const std::string before = text_of(rig_);
+  const Outcome outcome = run("calibrate trunks " + simulate(1003) + " --config " + rig_.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_GE(num_trunks(outcome.output), 10) << outcome.output;
+  EXPECT_LE(num_trunks(outcome.output), 12) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("trunks were found; 20 or more are needed"));
+  EXPECT_EQ(text_of(rig_.string() + ".bak"), before);
+  EXPECT_NE(text_of(rig_), before);
+}
+
+TEST_F(CalibrateCommand, BadInputIsOneSentenceAndExitCode3) {
+  std::ofstream(path("empty.lcm")).flush();
+  std::ofstream(path("text.lcm")) << std::string(5000, 'x');
+  for (const char* name : {"missing.lcm", "empty.lcm", "text.lcm"}) {
+    const Outcome outcome = run("calibrate trunks " + path(name) + " --config " + rig_.string() +
+                                " --out " + path("out.yaml"));
+    EXPECT_EQ(outcome.exit_code, 3) << name << ": " << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(name));
+    EXPECT_FALSE(fs::exists(path("out.yaml")));
+  }
+}
+
+TEST_F(CalibrateCommand, ListsWhatItSawAndLearnsFromThosePicked) {
+  const std::string log = simulate(1004);
+  const std::string before = text_of(rig_);
+  const Outcome listed =
+      run("calibrate trunks " + log + " --config " + rig_.string() + " --list " + path("things"));
+  ASSERT_EQ(listed.exit_code, 0) << listed.output;
+  EXPECT_EQ(text_of(rig_), before);
+  EXPECT_FALSE(fs::exists(rig_.string() + ".bak"));
+  EXPECT_GT(fs::file_size(path("things/thing_1.png")), 100u);
+  EXPECT_THAT(text_of(path("things/index.html")), HasSubstr("thing_1.png"));
+  std::istringstream csv(text_of(path("things/things.csv")));
+  std::string trees, line;
+  int num_picked = 0;
+  for (std::getline(csv, line); std::getline(csv, line);) {
+    if (line.find(",trunk,") == std::string::npos || num_picked == 6) continue;
+    trees += (trees.empty() ? "" : ",") + line.substr(0, line.find(','));
+    ++num_picked;
+  }
+  ASSERT_EQ(num_picked, 6);
+  const Outcome picked = run("calibrate trunks " + log + " --config " + rig_.string() + " --out " +
+                             path("picked.yaml") + " --colour-model hue_interval --trees " + trees);
+  ASSERT_EQ(picked.exit_code, 0) << picked.output;
+  EXPECT_THAT(text_of(path("picked.yaml")), HasSubstr("6 trunks"));
+  EXPECT_THAT(text_of(path("picked.yaml")), HasSubstr("picked by number"));
+  const auto config = io::load_config(path("picked.yaml"));
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.004);
+  EXPECT_EQ(config.detector.colour_model, detection::ColourModel::kHueInterval);
+}
+
+TEST_F(CalibrateCommand, LearnsAppearanceAndTrunksOfAFirstMap) {
+  const std::string log = simulate(1005);
+  ASSERT_EQ(run("map " + log + " --config " + rig_.string() + " --out " + path("map")).exit_code,
+            0);
+  std::istringstream csv(text_of(path("map/map.csv")));
+  std::string ids, line;
+  for (std::getline(csv, line); std::getline(csv, line);) {
+    if (line.find(",tree,") == std::string::npos) continue;
+    ids += (ids.empty() ? "" : ",") + line.substr(0, line.find(','));
+  }
+  const std::string command = "calibrate trunks " + log + " --config " + rig_.string() + " --map " +
+                              path("map") + " --out " + path("out.yaml") +
+                              " --colour-model appearance --ids ";
+  const Outcome outcome = run(command + ids);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("area under the ROC curve"));
+  const auto config = io::load_config(path("out.yaml"));
+  EXPECT_EQ(config.detector.colour_model, detection::ColourModel::kAppearance);
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.004);
+
+  fs::remove(path("out.yaml"));
+  for (const char* bad : {"9999", "4,x", "7-3"}) {
+    const Outcome refused = run(command + bad);
+    EXPECT_EQ(refused.exit_code, 3) << refused.output;
+    EXPECT_THAT(refused.output,
+                HasSubstr(bad[0] == '9' ? "no landmark has id 9999" : "neither a number"));
+    EXPECT_FALSE(fs::exists(path("out.yaml")));
+  }
+}
+
+TEST_F(CalibrateCommand, ALogWithoutPicturesIsRefused) {
+  const std::string log = path("blind.lcm");
+  const std::string config = ORCHARD_SOURCE_DIR "/config/urg_front.yaml";
+  ASSERT_EQ(run("simulate --scene tubes --seed 7 --config " + config + " --out " + log).exit_code,
+            0);
+  const Outcome outcome =
+      run("calibrate trunks " + log + " --config " + rig_.string() + " --out " + path("out.yaml"));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("no scan with a picture"));
+  EXPECT_FALSE(fs::exists(path("out.yaml")));
+}
+
+/// What evaluate_windows of the experiments prints.
+Outcome windows(const std::string& arguments, bool with_errors = false) {
+  return run(arguments, with_errors, "experiments/evaluate_windows");
+}
+
+class PictureCommands : public CalibrationTest {
+ protected:
+  void SetUp() override {
+    CalibrationTest::SetUp();
+    fs::create_directories(folder_ / "images");
+    fs::create_directories(folder_ / "masks");
+  }
+  /// A brown bar, as wide as `number` makes it, before grey noise.
+  void write_pair(int number) const {
+    cv::RNG random(static_cast<std::uint64_t>(number) + 1);
+    cv::Mat picture(160, 200, CV_8UC3), mask(160, 200, CV_8UC3, cv::Scalar(0, 0, 0));
+    random.fill(picture, cv::RNG::UNIFORM, 90, 150);
+    const cv::Rect trunk(60 + 5 * number, 0, 16 + number, 160);
+    cv::Mat bark = picture(trunk);
+    bark = bark.mul(cv::Scalar(0.4, 0.6, 0.9));
+    mask(trunk).setTo(cv::Scalar(0, 0, 128));
+    const std::string name = std::to_string(100 + number);
+    cv::imwrite((folder_ / "images" / (name + ".jpg")).string(), picture);
+    cv::imwrite((folder_ / "masks" / (name + ".png")).string(), mask);
+  }
+  std::string folders() const {
+    return " --images " + (folder_ / "images").string() + " --masks " +
+           (folder_ / "masks").string() + " ";
+  }
+};
+
+TEST_F(PictureCommands, LearnAModelAndTellHowGoodItIs) {
+  for (int i = 0; i < 6; ++i) write_pair(i);
+  const Outcome learnt =
+      run("calibrate trunks" + folders() + "--only 100-103 --out " + path("model.yaml"));
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
+  const auto model = io::load_config(path("model.yaml")).detector;
+  EXPECT_EQ(model.colour_model, detection::ColourModel::kAppearance);
+  EXPECT_TRUE(model.appearance.learnt());
+  EXPECT_THAT(text_of(path("model.yaml")), HasSubstr("4 pictures of 4 trees"));
+
+  const Outcome told = windows(folders() + "--only 104-105 --model " + path("model.yaml"));
+  ASSERT_EQ(told.exit_code, 0) << told.output;
+  const auto json = nlohmann::json::parse(told.output);
+  EXPECT_GT(json["auc"], 0.99);
+  EXPECT_EQ(json["pictures"], 2);
+  EXPECT_EQ(json["windows_on_trunks"], json["windows_elsewhere"]);
+
+  // The same pictures give the same model.
+  run("calibrate trunks" + folders() + "--only 100-103 --out " + path("again.yaml"));
+  EXPECT_EQ(text_of(path("again.yaml")), text_of(path("model.yaml")));
+}
+
+TEST_F(PictureCommands, TheRestOfARigStaysAsItWas) {
+  for (int i = 0; i < 3; ++i) write_pair(i);
+  fs::copy_file(ORCHARD_SOURCE_DIR "/config/tubes.yaml", folder_ / "rig.yaml");
+  const std::string before = text_of(path("rig.yaml"));
+  const Outcome learnt = run("calibrate trunks" + folders() + "--config " + path("rig.yaml"));
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
+  EXPECT_EQ(text_of(path("rig.yaml.bak")), before);
+  const auto was = io::parse_config(before, "before");
+  const auto now = io::load_config(path("rig.yaml"));
+  EXPECT_EQ(now.detector.width.mean_m, was.detector.width.mean_m);
+  EXPECT_THAT(text_of(path("rig.yaml")), HasSubstr("# The rig of the paper's"));
+  // Once more, over what it wrote itself.
+  EXPECT_EQ(run("calibrate trunks" + folders() + "--config " + path("rig.yaml")).exit_code, 0);
+}
+
+TEST_F(PictureCommands, WhatCannotBeUsedIsNamedAndCounted) {
+  for (int i = 0; i < 5; ++i) write_pair(i);
+  fs::remove(folder_ / "masks" / "101.png");
+  std::ofstream(folder_ / "images" / "102.jpg") << "no picture";
+  const Outcome learnt = run("calibrate trunks" + folders() + "--out " + path("m.yaml"));
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
+  EXPECT_THAT(learnt.output, HasSubstr("101: has no mask"));
+  EXPECT_THAT(learnt.output, HasSubstr("102.jpg"));
+  const auto json = nlohmann::json::parse(windows(folders() + "--model " + path("m.yaml")).output);
+  EXPECT_EQ(json["left_out"].size(), 2u);
+  EXPECT_EQ(json["pictures"], 3);
+}
+
+TEST_F(PictureCommands, BadInputIsOneSentenceAndExitCode3) {
+  const std::string out = path("m.yaml");
+  const auto expect_refused = [&](const Outcome& outcome, const std::string& why) {
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(why));
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    EXPECT_FALSE(fs::exists(out));
+  };
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    expect_refused(run(arguments), why);
+  };
+  refused("calibrate trunks" + folders() + "--out " + out, "has no picture");
+  write_pair(0);
+  refused("calibrate trunks" + folders() + "--only 500-600 --out " + out,
+          "the numbers go from 100");
+  refused("calibrate trunks" + folders() + "--only x --out " + out, "must be picture numbers");
+  expect_refused(windows(folders() + "--model " ORCHARD_SOURCE_DIR "/config/tubes.yaml", true),
+                 "has no learnt detector.appearance");
+  expect_refused(windows(folders() + "--model " + path("none.yaml"), true), "cannot be read");
+  cv::imwrite((folder_ / "masks" / "100.png").string(), cv::Mat(10, 10, CV_8UC3, {0, 0, 128}));
+  refused("calibrate trunks" + folders() + "--out " + out,
+          "a mask must have the size of its picture");
+}
+
+/// Real trunks: learnt from the first twenty pictures, judged on all others, as they are and with
+/// four times the light, of which much is blown out.
+TEST_F(PictureCommands, CherryTrunksAreToldFromWhatSurroundsThem) {
+  const fs::path data = fs::path(ORCHARD_DATA_DIR) / "cherry_trunks";
+  if (!fs::is_directory(data)) GTEST_SKIP() << data << " is not there";
+  const std::string there =
+      " --images " + (data / "images").string() + " --masks " + (data / "masks").string() + " ";
+  const Outcome learnt =
+      run("calibrate trunks" + there + "--quiet --only 000-019 --out " + path("model.yaml"));
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
+  const auto judged = [&](const std::string& light) {
+    const Outcome told = windows(there + "--only 020-119 --model " + path("model.yaml") + light);
+    EXPECT_EQ(told.exit_code, 0);
+    return nlohmann::json::parse(told.output);
+  };
+  EXPECT_GE(judged(" --exposure 2")["auc"], 0.975);
+  const auto json = judged("");
+  EXPECT_EQ(json["pictures"], 99);
+  EXPECT_GE(json["auc"], 0.98);
+  EXPECT_LT(json["auc_hue_interval"], 0.6);
+  EXPECT_LT(json["auc_hue_interval_paper"], 0.6);
+}
+
+/// A short drive through the hard orchard with its truth, and its map.
+class CalibrateProbability : public CalibrationTest {
+ protected:
+  void SetUp() override {
+    CalibrationTest::SetUp();
+    simulate("learn", 41);
+    ASSERT_EQ(run("map " + path("learn.lcm") + rig() + " --quiet --out " + path("learn")).exit_code,
+              0);
+  }
+  std::string rig() const { return " --config " + rig_; }
+  void simulate(const std::string& name, int seed) const {
+    const std::string drive =
+        " --scene orchard --duration 20 --seed " + std::to_string(seed) + rig() + " --out ";
+    const Outcome outcome =
+        run("simulate" + drive + path(name + ".lcm") + " --truth " + path(name + ".truth.csv"));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    const Outcome looks =
+        run(drive + path(name + ".looks.csv"), true, "experiments/true_observations");
+    ASSERT_EQ(looks.exit_code, 0) << looks.output;
+  }
+  /// Learns from `source` into out.yaml.
+  Outcome learn(const std::string& source, const std::string& out = "out.yaml") const {
+    return run("calibrate probability " + path("learn.lcm") + rig() + " --out " + path(out) +
+               source);
+  }
+  void expect_refused(const std::string& source, const std::string& why) const {
+    const Outcome outcome = learn(source);
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(why));
+    EXPECT_FALSE(fs::exists(path("out.yaml")));
+  }
+  /// Ids of the landmarks that are the nearest of a true tree: what a person would pick.
+  std::string picked() const {
+    const auto landmarks = io::read_map_csv(path("learn/map.csv"));
+    std::string ids;
+    for (const simulation::TruthObject& object : io::read_truth_csv(path("learn.truth.csv"))) {
+      if (object.label != detection::Label::kTree) continue;
+      double nearest_m = 0.3;
+      int id = 0;
+      for (const auto& l : landmarks) {
+        const double away_m = std::hypot(l.x_m - object.x_m, l.y_m - object.y_m);
+        if (away_m >= nearest_m) continue;
+        nearest_m = away_m;
+        id = l.id;
+      }
+      if (id > 0) ids += (ids.empty() ? "" : ",") + std::to_string(id);
+    }
+    return ids;
+  }
+  double judged_f1(const std::string& rig_yaml) const {
+    const std::string map = path(rig_yaml + ".map");
+    EXPECT_EQ(
+        run("map " + path("judge.lcm") + " --config " + path(rig_yaml) + " --quiet --out " + map)
+            .exit_code,
+        0);
+    const Outcome outcome = run(
+        map + " --observations " + path("judge.looks.csv") + " --truth " + path("judge.truth.csv"),
+        false, "experiments/evaluate_detections");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return nlohmann::json::parse(outcome.output)["observations"]["f1"].get<double>();
+  }
+
+  std::string rig_ = ORCHARD_SOURCE_DIR "/config/orchard_hard.yaml";
+};
+
+TEST_F(CalibrateProbability, AMapWithPickedTreesTeachesWhatTheTruthTeaches) {
+  // With the appearance model, every tree near enough is found, however the weights are learnt.
+  io::edit_config_file(rig_, path("rig.yaml"), {{"detector.colour_model", "hue_interval"}}, "", "");
+  rig_ = path("rig.yaml");
+  const Outcome of_truth = run(path("learn.lcm") + rig() + " --out " + path("truth.yaml") +
+                                   " --observations " + path("learn.looks.csv"),
+                               true, "experiments/learn_probability");
+  ASSERT_EQ(of_truth.exit_code, 0) << of_truth.output;
+  const Outcome of_map = learn(" --map " + path("learn") + " --ids " + picked(), "map.yaml");
+  ASSERT_EQ(of_map.exit_code, 0) << of_map.output;
+  EXPECT_THAT(of_map.output, Not(HasSubstr("warning")));
+  EXPECT_THAT(of_map.output, HasSubstr("objects of one recording"));
+  simulate("judge", 42);
+  const double f1_of_truth = judged_f1("truth.yaml"), f1_of_map = judged_f1("map.yaml");
+  RecordProperty("f1_of_truth", std::to_string(f1_of_truth));
+  RecordProperty("f1_of_map", std::to_string(f1_of_map));
+  EXPECT_GT(f1_of_truth, 0.85);
+  EXPECT_NEAR(f1_of_map, f1_of_truth, 0.03);
+}
+
+TEST_F(CalibrateProbability, WithoutIdsItLearnsTheCorrectedClasses) {
+  const Outcome unchecked = learn(" --map " + path("learn"), "unchecked.yaml");
+  ASSERT_EQ(unchecked.exit_code, 0) << unchecked.output;
+  EXPECT_THAT(unchecked.output, HasSubstr("nobody has corrected"));
+  int num_trees = 0;
+  std::string tree;
+  for (const auto& l : io::read_map_csv(path("learn/map.csv"))) {
+    if (l.label != detection::Label::kTree) continue;
+    ++num_trees;
+    tree = std::to_string(l.id);
+  }
+  EXPECT_THAT(unchecked.output, HasSubstr("of " + std::to_string(num_trees) + " trees"));
+  ASSERT_EQ(run("edit " + path("learn") + " class " + tree + " object").exit_code, 0);
+  const Outcome checked = learn(" --map " + path("learn"), "checked.yaml");
+  ASSERT_EQ(checked.exit_code, 0) << checked.output;
+  EXPECT_THAT(checked.output, Not(HasSubstr("nobody has corrected")));
+  EXPECT_THAT(checked.output, HasSubstr("of " + std::to_string(num_trees - 1) + " trees"));
+  ASSERT_EQ(run("edit " + path("learn") + " undo").exit_code, 0);
+  const Outcome undone = learn(" --map " + path("learn"), "undone.yaml");
+  EXPECT_THAT(undone.output, HasSubstr("nobody has corrected"));
+}
+
+// Nobody names a tree: `calibrate trunks` finds them, learns width and colour, and from its own
+// trunks how much either says.
+TEST_F(CalibrateProbability, TrunksFoundByThemselvesTeachTheDecision) {
+  const std::string learn = "calibrate trunks " + path("learn.lcm") + rig();
+  const Outcome of_paper = run(learn + " --decision roc --out " + path("roc.yaml"));
+  ASSERT_EQ(of_paper.exit_code, 0) << of_paper.output;
+  EXPECT_EQ(io::load_config(path("roc.yaml")).detector.decision, detection::Decision::kRoc);
+  const Outcome found = run(learn + " --decision probability --out " + path("trunks.yaml"));
+  ASSERT_EQ(found.exit_code, 0) << found.output;
+  EXPECT_THAT(found.output, HasSubstr("(left-out objects)"));
+  const auto config = io::load_config(path("trunks.yaml"));
+  EXPECT_EQ(config.detector.decision, detection::Decision::kProbability);
+  EXPECT_TRUE(config.detector.probability.enabled);
+  simulate("judge", 42);
+  const double f1_of_paper = judged_f1("roc.yaml"), f1_found = judged_f1("trunks.yaml");
+  RecordProperty("f1_of_paper", std::to_string(f1_of_paper));
+  RecordProperty("f1_found", std::to_string(f1_found));
+  EXPECT_GT(f1_found, f1_of_paper);
+}
+
+TEST_F(CalibrateProbability, BadInputIsOneSentence) {
+  const std::string map = " --map " + path("learn");
+  expect_refused(map + " --ids 4,777777,888888", "no landmark has id 777777, 888888");
+  expect_refused(map + " --ids 4,x", "neither a number");
+  expect_refused(" --map " + path("learn/map.csv"), "has no trajectory.csv");
+  expect_refused(map + " " + path("learn"), "there are 1 logs and 2 maps");
+  std::string all;
+  for (const auto& l : io::read_map_csv(path("learn/map.csv"))) {
+    all += (all.empty() ? "" : ",") + std::to_string(l.id);
+  }
+  expect_refused(map + " --ids " + all, "and 0 objects, but both are needed");
+  // The same map in a frame that is 1.3 m to the side, and one of another day.
+  const std::string csv = text_of(path("learn/map.csv")),
+                    track = text_of(path("learn/trajectory.csv"));
+  auto landmarks = io::read_map_csv(path("learn/map.csv"));
+  for (auto& l : landmarks) l.y_m += 1.3;
+  std::ofstream(path("learn/map.csv")) << io::map_csv(landmarks);
+  expect_refused(map, "are at a landmark of");
+  std::ofstream(path("learn/map.csv")) << csv;
+  std::ofstream(path("learn/trajectory.csv"))
+      << track.substr(0, track.find('\n') + 1) << "7000000,0.0,0.0,0.0\n8000000,0.0,0.0,0.0\n";
+  expect_refused(map, "has no pose at the time of any scan");
+  for (const std::string& source :
+       {std::string(), std::string(" --ids 4"), map + " " + path("learn") + " --ids 4"}) {
+    EXPECT_EQ(learn(source).exit_code, 2) << source;
+  }
+}
+
+}  // namespace
+}  // namespace orchard

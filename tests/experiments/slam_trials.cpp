@@ -221,7 +221,7 @@ Result drive(const World& world, std::uint64_t seed) {
     slam.add(odometry);
     if (step % kOdometryPerScan != 0) continue;
     Random scan(seed, Stream::kScan, static_cast<std::uint64_t>(step));
-    slam.add(observe(world, seed, utime, vector_of(pose), scan));
+    slam.add(pose::Measurement(observe(world, seed, utime, vector_of(pose), scan)));
     ++result.scans;
     const std::string warning = slam.warning();
     result.lost += warning.rfind("LOST", 0) == 0;

@@ -399,7 +399,9 @@ ABOUT = {"simulation.clutter.num_people": 3, "simulation.clutter.people_around":
 def people(lab, seeds):
     runs = with_truth(lab, lab.rig("orchard", {**ABOUT, "camera.enabled": "false"}), seeds)
     found = [trees_found(truth, marks) for truth, marks, _, _ in runs]
-    return {"without": f"{sum(not strays(t, m) for t, m, _, _ in runs)} of {len(runs)}",
+    left = [strays(t, m) for t, m, _, _ in runs]
+    return {"without": f"{sum(not marks for marks in left)} of {len(runs)}",
+            "left": f"{sum(map(len, left))}, {sum(m['n'] >= 4 for marks in left for m in marks)}",
             "trees": f"{sum(f for _, f in found)} of {sum(n for n, _ in found)}"}
 
 

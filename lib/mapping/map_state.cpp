@@ -133,7 +133,7 @@ std::vector<std::int32_t> MapState::observations_of(std::int32_t index) const {
 namespace {
 
 /// Minimum number of judged observations.
-constexpr int kObservationsMin = 10;
+constexpr int kJudgedMin = 10;
 
 }  // namespace
 
@@ -150,7 +150,7 @@ LabelConflicts count_label_conflicts(const MapState& map) {
   LabelConflicts votes;
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
-    if (r.is_removed || r.num_observations < kObservationsMin) continue;
+    if (r.is_removed || r.num_observations < kJudgedMin) continue;
     int num_tree = 0, num_judged = 0;
     for (const std::int32_t k :
          map.observations.newest_of(r.last_observation, kPositionSamplesMax)) {
@@ -159,7 +159,7 @@ LabelConflicts count_label_conflicts(const MapState& map) {
       ++num_judged;
       if (label == Label::kTree) ++num_tree;
     }
-    if (num_judged < kObservationsMin || num_tree == 0) continue;
+    if (num_judged < kJudgedMin || num_tree == 0) continue;
     ++votes.num_with_tree_label;
     const double fraction = static_cast<double>(num_tree) / num_judged;
     if (fraction > least && fraction < most) ++votes.num_conflicting;

@@ -156,7 +156,7 @@ using Group = std::vector<std::size_t>;  ///< indices of landmarks
 /// Borders closer than this touch [m]: the width of a position that GroundOccupancy tests.
 constexpr double kHedgeTouch_m = 0.2;
 /// Leaves and bark lie this far beyond a border [m].
-constexpr double kRough_m = 0.05;
+constexpr double kRoughSide_m = 0.05;
 /// Max number of landmarks used as end points of lines through a group.
 constexpr std::size_t kEndsMax = 40;
 
@@ -189,8 +189,8 @@ bool are_one(const Landmark& a, const Landmark& b, const PassageTest& passage) {
   const double clear_m = 0.5 * std::min(a.width_m, b.width_m) + kHedgeTouch_m;
   // The borders themselves are rough: what beams hit there is no part of a passage.
   if (gap_m(a, b) > kHedgeTouch_m &&
-      !all_passages(at(a) + (0.5 * a.width_m + kRough_m) * along,
-                    at(b) - (0.5 * b.width_m + kRough_m) * along, clear_m, passage, is_shut)) {
+      !all_passages(at(a) + (0.5 * a.width_m + kRoughSide_m) * along,
+                    at(b) - (0.5 * b.width_m + kRoughSide_m) * along, clear_m, passage, is_shut)) {
     return false;
   }
   // Borders are those of circles: a bush and a box with a passage between may seem to touch.

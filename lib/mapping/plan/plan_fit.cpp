@@ -22,8 +22,8 @@ using geometry::Pose2;
 
 /// Odds of a thousand to one with four trees counted as one, because neighbouring trees deviate
 /// from the plan together.
-constexpr double kOddsNeeded = 4.0 * 7.0;
-constexpr double kExplainedFraction = 0.5;  ///< min fraction of the mapped trees in pairs
+constexpr double kPlacementOddsNeeded = 4.0 * 7.0;
+constexpr double kMappedFractionMin = 0.5;  ///< min fraction of the mapped trees in pairs
 constexpr std::size_t kNumTurns = 6;        ///< max number of directions examined
 constexpr std::size_t kNumShifts = 40;      ///< max number of shifts per direction
 constexpr std::size_t kNumPlacementsMax = 12;
@@ -224,7 +224,7 @@ class PlanFitter {
                      });
     const std::size_t num_most = placements.empty() ? 0 : placements.front().pairs.size();
     if (num_most < static_cast<std::size_t>(std::max(2, config_.min_pairs)) ||
-        static_cast<double>(num_most) < kExplainedFraction * static_cast<double>(mapped_.size())) {
+        static_cast<double>(num_most) < kMappedFractionMin * static_cast<double>(mapped_.size())) {
       fit.reason =
           fmt::format("at most {} of the {} trees of the map match a place of the plan{}", num_most,
                       mapped_.size(),
@@ -246,7 +246,7 @@ class PlanFitter {
     for (std::size_t k = 0; k < placements.size(); ++k) {
       if (k == best) continue;
       placements[k].log_odds = log_likelihood[best] - log_likelihood[k];
-      if (placements[k].log_odds <= kOddsNeeded) rivals.push_back({placements[k].log_odds, k});
+      if (placements[k].log_odds <= kPlacementOddsNeeded) rivals.push_back({placements[k].log_odds, k});
     }
     std::sort(rivals.begin(), rivals.end());
     fit.status = rivals.empty() ? AlignmentStatus::kAligned : AlignmentStatus::kAmbiguous;

@@ -11,6 +11,7 @@
 
 #include "geometry/statistics.hpp"
 #include "mapping/extent/extent.hpp"
+#include "mapping/rows/row_chains.hpp"
 
 namespace orchard::mapping {
 
@@ -52,14 +53,6 @@ using Eigen::Vector2d;
 constexpr double kBeside_m = 0.1;  ///< distance between neighbouring candidate lines
 constexpr int kTurnMax = 2;        ///< max change of the offset index between stations
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Distance from a point to a line segment.
-double distance_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d d = b - a;
-  const double square = d.squaredNorm();
-  const double fraction = square > 0.0 ? std::clamp((p - a).dot(d) / square, 0.0, 1.0) : 0.0;
-  return (p - (a + fraction * d)).norm();
-}
 
 /// Clearance at each station and lateral offset of a guide.
 class ClearanceTable {
@@ -211,7 +204,7 @@ double Obstacles::clearance_m(const Line& line, double reach_m) const {
     const double around_m = 0.5 * (line[s] - line[s - 1]).norm() + reach_m + largest_m_;
     places_.near(0.5 * (line[s] + line[s - 1]), around_m, [&](std::int32_t i) {
       const auto k = static_cast<std::size_t>(i);
-      nearest_m = std::min(nearest_m, distance_m(places_[k], line[s - 1], line[s]) - radius_m_[k]);
+      nearest_m = std::min(nearest_m, distance_to_segment_m(places_[k], line[s - 1], line[s]) - radius_m_[k]);
     });
   }
   return nearest_m;

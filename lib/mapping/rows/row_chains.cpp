@@ -84,7 +84,7 @@ constexpr double kReach_spacings = 4.5;
 /// Lateral tolerance of a line, in spacings: the displacement of the line at its reach by half an
 /// angle step.
 constexpr double kBeside_spacings = 0.1;
-constexpr int kRounds = 12;
+constexpr int kTracingRounds = 12;
 
 using Votes = std::array<float, kNumAngles>;
 using VoteArray = Eigen::Array<float, kNumAngles, 1>;
@@ -166,7 +166,7 @@ double peak_rad(const Votes& votes) {
 /// multiplies each tree's own votes by the mean belief of its neighbourhood.
 void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours) {
   const std::vector<Votes> own = belief;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kTracingRounds; ++round) {
     // A tree's new belief waits until the last of its neighbours has used the old one: of trees
     // sorted by position few wait at a time.
     std::deque<Votes> waiting;
@@ -259,6 +259,13 @@ RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   }
   orient(result.directions);
   return result;
+}
+
+double distance_to_segment_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double square = d.squaredNorm();
+  const double fraction = square > 0.0 ? std::clamp((p - a).dot(d) / square, 0.0, 1.0) : 0.0;
+  return (p - (a + fraction * d)).norm();
 }
 
 }  // namespace orchard::mapping

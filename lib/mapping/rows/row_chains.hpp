@@ -42,4 +42,8 @@ using RowChain = std::vector<std::int32_t>;
 /// Index of a chain's element in the list of all trees.
 inline std::size_t index_of(std::int32_t tree) { return static_cast<std::size_t>(tree); }
 
+/// Distance from a point to the line segment from a to b [m]; points in one frame.
+double distance_to_segment_m(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
+                             const Eigen::Vector2d& b);
+
 }  // namespace orchard::mapping

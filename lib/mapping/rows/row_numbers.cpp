@@ -290,13 +290,6 @@ namespace {
 
 bool is_in_row(const Landmark& l) { return l.label == detection::Label::kTree && l.row > 0; }
 
-double distance_m(const Vector2d& p, const Vector2d& from, const Vector2d& to) {
-  const Vector2d along = to - from;
-  const double square = along.squaredNorm();
-  const double fraction = square > 0.0 ? std::clamp(along.dot(p - from) / square, 0.0, 1.0) : 0.0;
-  return (from + fraction * along - p).norm();
-}
-
 /// Inserts a tree without a position between the two slots whose connection is nearest to it; at an
 /// end if it lies beyond.
 void insert_unnumbered(const RowSlot& tree, std::vector<RowSlot>& slots) {
@@ -304,7 +297,7 @@ void insert_unnumbered(const RowSlot& tree, std::vector<RowSlot>& slots) {
   std::size_t best = 1;
   double least_m = std::numeric_limits<double>::max();
   for (std::size_t k = 1; k < slots.size(); ++k) {
-    const double away_m = distance_m(tree.p_map, slots[k - 1].p_map, slots[k].p_map);
+    const double away_m = distance_to_segment_m(tree.p_map, slots[k - 1].p_map, slots[k].p_map);
     if (away_m < least_m) least_m = away_m, best = k;
   }
   const auto is_beyond = [&](std::size_t end, std::size_t inner) {

@@ -246,7 +246,8 @@ class PlanFitter {
     for (std::size_t k = 0; k < placements.size(); ++k) {
       if (k == best) continue;
       placements[k].log_odds = log_likelihood[best] - log_likelihood[k];
-      if (placements[k].log_odds <= kPlacementOddsNeeded) rivals.push_back({placements[k].log_odds, k});
+      if (placements[k].log_odds <= kPlacementOddsNeeded)
+        rivals.push_back({placements[k].log_odds, k});
     }
     std::sort(rivals.begin(), rivals.end());
     fit.status = rivals.empty() ? AlignmentStatus::kAligned : AlignmentStatus::kAmbiguous;

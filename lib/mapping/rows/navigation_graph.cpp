@@ -204,7 +204,8 @@ double Obstacles::clearance_m(const Line& line, double reach_m) const {
     const double around_m = 0.5 * (line[s] - line[s - 1]).norm() + reach_m + largest_m_;
     places_.near(0.5 * (line[s] + line[s - 1]), around_m, [&](std::int32_t i) {
       const auto k = static_cast<std::size_t>(i);
-      nearest_m = std::min(nearest_m, distance_to_segment_m(places_[k], line[s - 1], line[s]) - radius_m_[k]);
+      nearest_m = std::min(nearest_m,
+                           distance_to_segment_m(places_[k], line[s - 1], line[s]) - radius_m_[k]);
     });
   }
   return nearest_m;

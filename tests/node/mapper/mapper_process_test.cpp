@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/mapper_process.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <random>
 #include <string>
 
 #include "bus/messages/codec.hpp"
 #include "io/map/map_csv.hpp"
+#include "io/map/stored_map.hpp"
 #include "node/mapper/row_drive.hpp"
 #include "unit/io/test_folder.hpp"
 
@@ -226,5 +234,178 @@ TEST(JournaledMapper, PosesThatBeginAnewEndAMapOfTheirOwnOriginOnly) {
   }
 }
 
+using ::testing::HasSubstr;
+
+/// One scan that sees a tree at each of the first `num_trees` metres, from the origin.
+void see_trees(MapperNode& mapper, int seq, int num_trees) {
+  const bus::Outbox nowhere = [](const bus::Message&) {};
+  detection::Detections detections;
+  detections.utime = 1000000 + 100000 * seq;
+  detections.seq = seq;
+  for (int tree = 0; tree < num_trees; ++tree) {
+    detection::Detection d;
+    d.centre_x_m = tree;
+    d.centre_y_m = 1.0;
+    d.covariance = {1e-4, 0, 1e-4};
+    d.width_m = 0.09;
+    d.width_sd_m = 0.01;
+    d.label = detection::Label::kTree;
+    d.roc_tree = 0.9f;
+    detections.trunks.push_back(d);
+  }
+  pose::PoseEstimate pose;
+  pose.utime = detections.utime;
+  pose.seq = seq;
+  mapper.handle(detections, nowhere);
+  mapper.handle(pose, nowhere);
+}
+
+bus::SaveRequest request(bus::SaveKind kind) {
+  bus::SaveRequest request;
+  request.kind = kind;
+  request.traffic.num_in[static_cast<std::size_t>(bus::Channel::kDetections)] = 17;
+  return request;
+}
+
+/// Scans are not what this is about.
+io::Config without_scans() {
+  io::Config config;
+  config.mapper.existence.scan_wait_s = 0.0;
+  return config;
+}
+
+class MapSaverTest : public ::testing::Test {
+ protected:
+  MapSaverTest() {
+    for (int seq = 0; seq < 5; ++seq) see_trees(mapper, seq, 2);
+    saver.save(mapper, request(bus::SaveKind::kQuick));
+  }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder / name); }
+  void remove(const std::string& name) { std::filesystem::remove(folder / name); }
+
+  io::TestFolder folder;
+  MapperNode mapper{without_scans()};
+  MapSaver saver{folder.path(), 77};
+};
+
+TEST_F(MapSaverTest, TheFirstSaveMakesAllFiles) {
+  for (const char* name :
+       {"map.csv", "map.gpkg", "map.png", "map.svg", "map.html", "trajectory.csv"}) {
+    EXPECT_TRUE(exists(name)) << name;
+  }
+  const std::string summary = io::read_bytes(folder / "summary.json");
+  EXPECT_THAT(summary, HasSubstr("\"in_DETECTIONS\": 17"));
+  EXPECT_THAT(summary, HasSubstr("\"mapper_late\": 0"));
+  EXPECT_THAT(summary, HasSubstr("\"source\": \"live\""));
+  EXPECT_THAT(summary, ::testing::Not(HasSubstr("\"version\": \"\"")));
+}
+
+TEST_F(MapSaverTest, LaterQuickOnesWriteTheTableAloneAndOnlyAChangedOne) {
+  const std::string before = io::read_bytes(folder / "map.csv");
+  remove("map.png");
+  remove("map.csv");
+  saver.save(mapper, request(bus::SaveKind::kQuick));
+  EXPECT_FALSE(exists("map.csv")) << "nothing has changed";
+  for (int seq = 5; seq < 10; ++seq) see_trees(mapper, seq, 3);
+  saver.save(mapper, request(bus::SaveKind::kQuick));
+  EXPECT_NE(io::read_bytes(folder / "map.csv"), before);
+  EXPECT_FALSE(exists("map.png"));
+}
+
+TEST_F(MapSaverTest, FullAndFinalOnesWriteAll) {
+  for (const auto kind : {bus::SaveKind::kFull, bus::SaveKind::kFinal}) {
+    remove("map.png");
+    remove("map.csv");
+    saver.save(mapper, request(kind));
+    EXPECT_TRUE(exists("map.png"));
+    EXPECT_TRUE(exists("map.csv"));
+  }
+}
+
+TEST(MapSaver, WithoutAFolderNothingIsSaved) {
+  MapSaver("", 0).save(MapperNode{io::Config{}}, request(bus::SaveKind::kFinal));
+  EXPECT_FALSE(std::filesystem::exists("map.csv"));
+}
+
+namespace fs = std::filesystem;
+
+/// Kills of the test; the environment's ORCHARD_KILLS asks for more.
+int num_kills() {
+  const char* wanted = std::getenv("ORCHARD_KILLS");
+  return wanted != nullptr ? std::atoi(wanted) : 12;
+}
+
+/// Maps on from step `k`, saves everything after each one, and tells which it has saved.
+[[noreturn]] void map_until_killed(const std::string& folder, int k, int told) {
+  MapperProcess process;
+  const io::Config config;
+  const auto node = process.make_node(config, 5, folder, false);
+  node->start({});
+  RowDrive drive(*node);
+  for (;; ++k) {
+    drive.step(k, k);
+    process.save(*node, {k % 2 == 0 ? bus::SaveKind::kFull : bus::SaveKind::kQuick, {}});
+    if (::write(told, &k, sizeof(k)) != sizeof(k)) ::_exit(1);
+  }
+}
+
+TEST(KilledMapper, NeverLosesWhatWasSavedNorAnId) {
+  const io::TestFolder folder;
+  std::mt19937 random(3);
+  int saved = -1;
+  std::map<std::int32_t, mapping::Landmark> known;
+  for (int kill = 0; kill < num_kills(); ++kill) {
+    int channel[2];
+    ASSERT_EQ(::pipe(channel), 0);
+    const pid_t pid = ::fork();
+    if (pid == 0) map_until_killed(folder.path(), saved + 1, channel[1]);
+    ::close(channel[1]);
+    // One more save as a rule, then a moment in the middle of the next ones.
+    int step = 0;
+    if (::read(channel[0], &step, sizeof(step)) == sizeof(step)) saved = step;
+    ::usleep(random() % 120000);
+    ASSERT_EQ(::kill(pid, SIGKILL), 0);
+    int status = 0;
+    ASSERT_EQ(::waitpid(pid, &status, 0), pid);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself: " << status;
+    while (::read(channel[0], &step, sizeof(step)) == sizeof(step)) saved = step;
+    ::close(channel[0]);
+
+    // what lies there can be read whole
+    const auto on_disk = io::read_map_csv(folder / "map.csv");
+    ASSERT_GT(io::read_stored_map(folder.path()).landmarks.size(), 0u);
+    const std::string package = io::read_bytes(folder / "map.gpkg");
+    ASSERT_EQ(package.substr(0, 15), "SQLite format 3");
+    // SQLite's own count of its pages, big-endian at 28, and their size at 16
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(package[i]); };
+    ASSERT_EQ(package.size(),
+              std::size_t{256} * byte(16) *
+                  ((byte(28) << 24) + (byte(29) << 16) + (byte(30) << 8) + byte(31)));
+    // and is gone on with
+    {
+      io::MapFolderLock place(folder.path());
+      JournaledMapper again(io::Config{}, 5, place);
+      again.start({});
+      ASSERT_TRUE(again.notes().empty()) << again.notes().front();
+      ASSERT_GE(again.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], saved + 1);
+      std::map<std::int32_t, mapping::Landmark> now;
+      for (const mapping::Landmark& l : again.mapper().landmarks()) now[l.id] = l;
+      for (const mapping::Landmark& l : on_disk) ASSERT_EQ(now.count(l.id), 1u) << l.id;
+      for (const auto& [id, l] : known) {
+        ASSERT_EQ(now.count(id), 1u) << id;
+        ASSERT_NEAR(now[id].x_m, l.x_m, 0.05) << id;
+      }
+      known = now;
+      saved =
+          static_cast<int>(again.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)]) - 1;
+    }
+    for (const auto& entry : fs::directory_iterator(folder.path())) {
+      ASSERT_NE(entry.path().filename().string().front(), '.') << "a temporary of a killed save";
+    }
+  }
+  EXPECT_GT(known.size(), 2u);
+}
+
 }  // namespace
+
 }  // namespace orchard::procs

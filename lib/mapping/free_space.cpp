@@ -40,18 +40,15 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
       bearing_middle_rad_(scan.bearing_rad(0.5 * (static_cast<double>(scan.ranges_m.size()) - 1))),
       bearing_step_rad_(scan.bearing_step_rad),
       beam_period_s_(1e-6 * scan.beam_period_us),
-      reach_m_(kBeamReach_m),
-      sigmas_(kPosition_sigma),
-      fraction_(kPassFraction),
       no_return_m_(0.5 * scan.range_max_m) {
   codes_.assign(scan.ranges_m.size(), kSaysNothing);
-  const double per_m = kFarthest / reach_m_;
+  const double per_m = kFarthest / kBeamReach_m;
   for (std::size_t i = 0; i < codes_.size(); ++i) {
     const double range_m = scan.ranges_m[i];
     if (blind.contains(scan.bearing_rad(static_cast<double>(i)))) continue;
     if (range_m == 0.0 || range_m >= scan.range_max_m) {  // some drivers report no return as max
       codes_[i] = kNoReturn;
-    } else if (scan.valid(i) && range_m >= reach_m_) {
+    } else if (scan.valid(i) && range_m >= kBeamReach_m) {
       codes_[i] = kBeyondReach;
     } else if (scan.valid(i)) {
       codes_[i] =
@@ -77,8 +74,8 @@ std::vector<std::uint8_t> FreeSpace::pack() const {
         const auto* first = static_cast<const std::uint8_t*>(value);
         bytes.insert(bytes.end(), first, first + size);
       },
-      utime_, laser_, bearing_middle_rad_, bearing_step_rad_, beam_period_s_, reach_m_, sigmas_,
-      fraction_, no_return_m_, velocity_.x(), velocity_.y(), velocity_.z());
+      utime_, laser_, bearing_middle_rad_, bearing_step_rad_, beam_period_s_, no_return_m_,
+      velocity_.x(), velocity_.y(), velocity_.z());
   bytes.insert(bytes.end(), codes_.begin(), codes_.end());
   return bytes;
 }
@@ -93,9 +90,8 @@ FreeSpace FreeSpace::unpack(const std::vector<std::uint8_t>& bytes) {
         next += size;
       },
       free_space.utime_, free_space.laser_, free_space.bearing_middle_rad_,
-      free_space.bearing_step_rad_, free_space.beam_period_s_, free_space.reach_m_,
-      free_space.sigmas_, free_space.fraction_, free_space.no_return_m_, free_space.velocity_.x(),
-      free_space.velocity_.y(), free_space.velocity_.z());
+      free_space.bearing_step_rad_, free_space.beam_period_s_, free_space.no_return_m_,
+      free_space.velocity_.x(), free_space.velocity_.y(), free_space.velocity_.z());
   free_space.codes_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
   return free_space;
 }
@@ -125,7 +121,7 @@ double FreeSpace::bearing_of(double beam) const {
 bool FreeSpace::is_beyond(std::uint8_t code, double range_m) const {
   if (code == kBeyondReach) return true;
   if (code == kNoReturn) return range_m < no_return_m_;
-  return code != kSaysNothing && (code - 0.5) * reach_m_ / kFarthest > range_m;
+  return code != kSaysNothing && (code - 0.5) * kBeamReach_m / kFarthest > range_m;
 }
 
 PassageBeams FreeSpace::through(const Vector2d& from_base, const Vector2d& to_base,
@@ -143,7 +139,7 @@ PassageBeams FreeSpace::through(const Vector2d& from_base, const Vector2d& to_ba
   const double range_m = (0.5 * (from + to)).norm(),
                half_m = std::hypot(0.5 * length_m, half_depth_m);
   PassageBeams beams;
-  if (range_m <= half_m || range_m + half_m > reach_m_) return beams;
+  if (range_m <= half_m || range_m + half_m > kBeamReach_m) return beams;
   const double half_beams = std::asin(half_m / range_m) / std::abs(bearing_step_rad_);
   const auto is_between = [&](double s_m) { return s_m >= 0.0 && s_m <= length_m; };
   for (double k = std::ceil(std::max(0.0, middle - half_beams));
@@ -152,7 +148,7 @@ PassageBeams FreeSpace::through(const Vector2d& from_base, const Vector2d& to_ba
     const double bearing_rad = bearing_of(k);
     const Vector2d ray(std::cos(bearing_rad), std::sin(bearing_rad));
     if (code >= 1 && code <= kFarthest) {
-      const Vector2d hit = (code - 0.5) * reach_m_ / kFarthest * ray - from;
+      const Vector2d hit = (code - 0.5) * kBeamReach_m / kFarthest * ray - from;
       beams.num_within += is_between(hit.dot(along)) && std::abs(hit.dot(across)) <= half_depth_m;
     }
     const double per_m = std::max(1e-9, ray.dot(across));
@@ -175,10 +171,10 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     middle = beam_of(p);
   }
   const double range_m = p.norm();
-  const double along_m = 0.5 * width_m + kRough_m + 0.5 * reach_m_ / kFarthest +
-                         sigmas_ * std::hypot(sd_m, laser_.range_sd_at(range_m));
-  const double across_m = 0.5 * width_m + sigmas_ * sd_m;
-  if (range_m + along_m > reach_m_ || range_m < along_m + across_m) return {};
+  const double along_m = 0.5 * width_m + kRough_m + 0.5 * kBeamReach_m / kFarthest +
+                         kPosition_sigma * std::hypot(sd_m, laser_.range_sd_at(range_m));
+  const double across_m = 0.5 * width_m + kPosition_sigma * sd_m;
+  if (range_m + along_m > kBeamReach_m || range_m < along_m + across_m) return {};
   const double beams_per_rad = 1.0 / std::abs(bearing_step_rad_);
   double reach = std::asin(std::min(1.0, across_m / range_m)) * beams_per_rad;
   double own = std::asin(std::min(1.0, 0.5 * width_m / range_m)) * beams_per_rad;
@@ -193,7 +189,7 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     const std::uint8_t code = codes_[static_cast<std::size_t>(k)];
     bool is_past = code == kBeyondReach || (code == kNoReturn && range_m < no_return_m_);
     if (code >= 1 && code <= kFarthest) {
-      const double beam_m = (code - 0.5) * reach_m_ / kFarthest;
+      const double beam_m = (code - 0.5) * kBeamReach_m / kFarthest;
       if (std::abs(beam_m - range_m) <= along_m) return {FreeSpaceEvidence::kReturns, 0};
       is_past = beam_m > range_m;
     }
@@ -204,7 +200,7 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     num_own_past += is_own && is_past;
   }
   const bool sees_past =
-      num_own >= kFewestAcross && num_own_past == num_own && num_past >= fraction_ * num;
+      num_own >= kFewestAcross && num_own_past == num_own && num_past >= kPassFraction * num;
   if (!sees_past) return {};
   return {FreeSpaceEvidence::kPassesThrough, num_own};
 }

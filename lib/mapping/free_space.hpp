@@ -93,9 +93,6 @@ class FreeSpace {
   double bearing_middle_rad_ = 0.0;
   double bearing_step_rad_ = 0.0;
   double beam_period_s_ = 0.0;
-  double reach_m_ = 0.0;
-  double sigmas_ = 0.0;
-  double fraction_ = 0.0;
   double no_return_m_ = 0.0;  ///< range up to which no return means passing
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::vector<std::uint8_t> codes_;

@@ -37,4 +37,15 @@ std::vector<LandmarkPair> pair_landmarks_near(const geometry::IndexedPoints& a,
 /// between two maps. Fewer than 12 pairs are left unchanged.
 void remove_common_residuals(const geometry::IndexedPoints& a, std::vector<LandmarkPair>& pairs);
 
+/// Points of b in the frame of a, after removal of the local deformation between the maps, which is
+/// the median residual of the neighbouring pairs, without the point's own.
+std::vector<Eigen::Vector2d> without_local_deformation(const geometry::IndexedPoints& a,
+                                                       const geometry::IndexedPoints& b,
+                                                       const geometry::Pose2& T_a_b,
+                                                       const std::vector<LandmarkPair>& pairs);
+
+/// Max distance of one object's positions in two maps of landmarks at these places [m]: a third of
+/// their spacing, 0.1 m to 0.5 m.
+double pairing_gate_m(const geometry::IndexedPoints& places);
+
 }  // namespace orchard::mapping

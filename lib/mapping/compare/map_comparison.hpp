@@ -19,12 +19,6 @@ struct ClumpConfig {
 /// stalks. Each drive observes different parts of a bush, so such landmarks are not reproducible.
 std::vector<char> in_clumps(const std::vector<Landmark>& landmarks, const ClumpConfig& config);
 
-/// Points of b in the frame of a, after removal of the local deformation between the maps, which is
-/// the median residual of the neighbouring pairs.
-std::vector<Eigen::Vector2d> without_local_deformation(const geometry::IndexedPoints& a,
-                                                       const geometry::IndexedPoints& b,
-                                                       const MapAlignment& alignment);
-
 enum class Change {
   kUnchanged,
   kMissing,  ///< only in the earlier map, although the later drive would have detected it

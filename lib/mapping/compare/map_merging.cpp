@@ -92,8 +92,9 @@ IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& al
   };
   const geometry::IndexedPoints then(landmark_positions(earlier)),
       now(landmark_positions(landmarks));
-  const geometry::IndexedPoints laid(without_local_deformation(then, now, alignment));
-  const double gate_m = std::clamp(0.35 * geometry::typical_spacing_m(then), 0.1, 0.5);
+  const geometry::IndexedPoints laid(
+      without_local_deformation(then, now, alignment.T_a_b, alignment.pairs));
+  const double gate_m = pairing_gate_m(then);
   // Trees: use the pairs of compare_maps(), which recognises a tree planted beside a missing one.
   // Pairs farther apart than gate_m may be moved trees, but are too uncertain.
   ComparisonConfig everywhere;
@@ -260,16 +261,13 @@ Landmark merged_landmark(const Landmark& a, const Landmark& b) {
 
 std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
                                  const MapAlignment& alignment) {
-  std::vector<Vector2d> places_a, places_b;
-  for (const Landmark& l : merged.landmarks) {
-    places_a.push_back({l.x_m, l.y_m});
-    merged.next_id = std::max(merged.next_id, l.id + 1);
-  }
-  for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
-  const geometry::IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
+  for (const Landmark& l : merged.landmarks) merged.next_id = std::max(merged.next_id, l.id + 1);
+  const geometry::IndexedPoints a_points(landmark_positions(merged.landmarks)),
+      b_points(landmark_positions(b));
   // Pair after local alignment, so that deformation does not duplicate a tree.
-  const geometry::IndexedPoints b_in_a(without_local_deformation(a_points, b_points, alignment));
-  const double gate_m = std::clamp(0.35 * geometry::typical_spacing_m(a_points), 0.1, 0.5);
+  const geometry::IndexedPoints b_in_a(
+      without_local_deformation(a_points, b_points, alignment.T_a_b, alignment.pairs));
+  const double gate_m = pairing_gate_m(a_points);
   std::vector<std::int32_t> partner(b.size(), -1);
   for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, geometry::Pose2{}, gate_m)) {
     partner[static_cast<std::size_t>(pair.b)] = pair.a;

@@ -19,13 +19,6 @@ using detection::Label;
 using Eigen::Vector2d;
 using Outcome = CorrectionOutcome;
 
-double reach_of(const std::vector<Landmark>& landmarks) {
-  std::vector<Vector2d> places;
-  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
-  return std::clamp(0.35 * geometry::typical_spacing_m(geometry::IndexedPoints(std::move(places))),
-                    0.1, 0.5);
-}
-
 Vector2d place_of(const Landmark& l) { return {l.x_m, l.y_m}; }
 
 bool is_alike(const CorrectionTarget& target, const Landmark& l) {
@@ -39,7 +32,8 @@ bool is_alike(const CorrectionTarget& target, const Landmark& l) {
 class Applier {
  public:
   Applier(const std::vector<Landmark>& landmarks, std::int32_t next_id)
-      : reach_m_(reach_of(landmarks)), next_id_(std::max(1, next_id)) {
+      : reach_m_(pairing_gate_m(geometry::IndexedPoints(landmark_positions(landmarks)))),
+        next_id_(std::max(1, next_id)) {
     for (const Landmark& l : landmarks) {
       put(l);
       if (l.row != 0) rows_.insert(l.row);

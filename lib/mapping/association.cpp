@@ -6,22 +6,21 @@
 #include <cmath>
 
 #include "mapping/extent/extent.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Observations from which a landmark's position is reliable enough for the relaxed gate.
-constexpr int kWellKnownObservations = 30;
-
-constexpr int kEstablished = 3;  ///< observations from which a landmark guides scan alignment
-/// Log odds from which the presence or absence of a reflector is sure.
+/// derived: observations from which a landmark guides scan alignment: two may be clutter.
+constexpr int kEstablished = 3;
+/// derived: Log odds from which the presence or absence of a reflector is sure: one flash, or three
+/// observations without.
 constexpr double kSureOfReflector = 2.0;
-constexpr double kWidthRelativeSd = 0.15;  ///< of one object observed from different sides
 
 /// Width difference in standard deviations.
 double width_term(const detection::Detection& d, const LandmarkRecord& r) {
   const double sd_m =
-      std::hypot(d.width_sd_m, kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
+      std::hypot(d.width_sd_m, tuning::kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
   return (d.width_m - r.width_m) / std::max(sd_m, 1e-3);
 }
 
@@ -50,7 +49,8 @@ std::int32_t relaxed_gate_match(const Candidate& c, const LandmarkTable& landmar
   std::int32_t nearest = -1;
   double nearest_m2 = config.gate_m * config.gate_m;
   landmarks.near(c.p_aligned, config.gate_m, [&](std::int32_t i, const LandmarkRecord& r) {
-    if (r.num_all < kWellKnownObservations || std::abs(width_term(*c.detection, r)) > 3.0) return;
+    if (r.num_all < tuning::kWellKnownObservations || std::abs(width_term(*c.detection, r)) > 3.0)
+      return;
     if (std::abs(c.detection->width_m - r.width_m) > config.width_gate_m) return;
     const double distance_m2 = (c.p_aligned - r.association_position()).squaredNorm();
     if (distance_m2 > nearest_m2 || (distance_m2 == nearest_m2 && i > nearest)) return;

@@ -25,8 +25,8 @@ PoseComposition::PoseComposition(const pose::PoseEstimate& pose) : x_m_(pose.x_m
 
 namespace {
 
-constexpr double kFanSigmas = 3.0;  ///< range of rotations tried, to each side
-constexpr int kFanStepsMax = 30;    ///< to each side
+constexpr double kFanSigmas = 3.0;  ///< derived: range of rotations tried, to each side
+constexpr int kFanStepsMax = 30;    ///< derived: to each side
 constexpr int kRefinements = 5;
 
 double kernel(double distance_m, double width_m) {

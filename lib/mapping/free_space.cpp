@@ -8,11 +8,12 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Extent of the position uncertainty, in standard deviations.
+/// derived: Extent of the position uncertainty, in standard deviations.
 constexpr double kPosition_sigma = 2.0;
 
 using Eigen::Vector2d;
@@ -23,12 +24,12 @@ constexpr std::uint8_t kFarthest = 253;
 constexpr std::uint8_t kBeyondReach = 254;
 constexpr std::uint8_t kNoReturn = 255;
 
-/// Returns this far before or behind a circle still belong to the object: bark is rough and trunks
-/// are not round.
+/// derived: Returns this far before or behind a circle still belong to the object: bark is rough
+/// and trunks are not round.
 constexpr double kRough_m = 0.05;
-/// Minimum number of beams across the object's own width, all of which must pass.
+/// derived: Minimum number of beams across the object's own width, all of which must pass.
 constexpr int kFewestAcross = 2;
-/// Half the beam spacing, in beams.
+/// derived: Half the beam spacing, in beams.
 constexpr double kOneBeam = 0.5;
 
 }  // namespace
@@ -199,8 +200,8 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     num_own += is_own;
     num_own_past += is_own && is_past;
   }
-  const bool sees_past =
-      num_own >= kFewestAcross && num_own_past == num_own && num_past >= kPassFraction * num;
+  const bool sees_past = num_own >= kFewestAcross && num_own_past == num_own &&
+                         num_past >= tuning::kPassFraction * num;
   if (!sees_past) return {};
   return {FreeSpaceEvidence::kPassesThrough, num_own};
 }

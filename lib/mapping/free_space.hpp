@@ -11,12 +11,8 @@
 
 namespace orchard::mapping {
 
-/// Max range at which beams are evidence [m]; beyond it they are too sparse for a trunk.
+/// derived: Max range at which beams are evidence [m]; beyond it they are too sparse for a trunk.
 inline constexpr double kBeamReach_m = 8.0;
-
-/// Minimum fraction of a place that must be seen free where an object is denied: of the beams
-/// across its position uncertainty, or of the ground on which it would stand.
-inline constexpr double kPassFraction = 0.8;
 
 /// What the beams of a scan show at a position.
 enum class FreeSpaceEvidence {

@@ -7,23 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/tuning.hpp"
+
 namespace orchard::mapping {
 namespace {
 
-/// Fraction of a tree's observations that are labelled TREE.
-constexpr double kTreeRateOfTrees = 0.8;
-
-/// Fraction of an object's observations that are labelled TREE.
-constexpr double kTreeRateOfObjects = 0.2;
-
-/// Fractions of observations with a reflector flash: every second view of a tape is turned away or
-/// dirty, and hardly any other object is as bright.
-constexpr double kFlashRateOfTrees = 0.5;
-constexpr double kFlashRateOfObjects = 0.02;
-
 using detection::Label;
 
-/// Probabilities of single observations are clamped to [this, 1 - this].
+/// derived: Probabilities of single observations are clamped to [this, 1 - this].
 constexpr double kProbabilityMin = 0.005;
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
@@ -41,8 +32,7 @@ void merge_association_positions(LandmarkRecord& into, const LandmarkRecord& fro
   into.association_information = static_cast<float>(total);
 }
 
-/// Weight of a width observation that is known to be biased.
-constexpr double kHint = 0.01;
+/// physical: bark is rough by as much.
 constexpr double kWidthSdMin_m = 0.002;
 
 /// Beam spacing at the object [m]. The two edges of an object are each uniformly distributed within
@@ -120,9 +110,9 @@ void fuse_width(LandmarkRecord& r, const detection::Detection& d, int min_beams)
       d.num_beams > 0 ? d.width_m - (d.num_beams - min_beams - 1) * beam_m(d) : 0.0;
   const double known_m = r.width_information > 0.0f ? r.width_m : d.width_m;
   if (d.occlusion != 0 || known_m < least_m) {
-    fraction = std::min(fraction, kHint);
+    fraction = std::min(fraction, tuning::kHint);
   }
-  fraction = std::max(fraction, 1e-3 * kHint);
+  fraction = std::max(fraction, 1e-3 * tuning::kHint);
   const double information = fraction / (sd_m * sd_m);
   const double before_m = r.width_m;
   r.width_information += static_cast<float>(information);
@@ -193,8 +183,8 @@ double log_odds_max(const MapperConfig& config) {
 }
 
 TreeRates tree_rates(const MapperConfig& config) {
-  if (config.reflector_marks_tree) return {kFlashRateOfTrees, kFlashRateOfObjects};
-  return {kTreeRateOfTrees, kTreeRateOfObjects};
+  if (config.reflector_marks_tree) return {tuning::kFlashRateOfTrees, tuning::kFlashRateOfObjects};
+  return {tuning::kTreeRateOfTrees, tuning::kTreeRateOfObjects};
 }
 
 double evidence_of(const detection::Detection& observation, const MapperConfig& config) {

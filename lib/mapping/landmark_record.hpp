@@ -48,7 +48,7 @@ struct LandmarkRecord {
 };
 static_assert(sizeof(LandmarkRecord) == 112, "an orchard has a million of them");
 
-/// Limit of the log odds of a class, so that later observations can still change it.
+/// derived: Limit of the log odds of a class, so that later observations can still change it.
 inline constexpr double kLogOddsMax = 30.0;
 
 /// Limit of the sum of log odds: kLogOddsMax for labels; effectively none for probabilities, which

@@ -9,27 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/tuning.hpp"
+
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Maximum number of scans examined per landmark, the newest.
+/// derived: Maximum number of scans examined per landmark, the newest.
 constexpr std::size_t kScansMax = 100;
-constexpr double kAtPosition_m = 0.25;  ///< radius of a position
-constexpr double kBetween_m = 0.15;     ///< radius of the middle between two positions
-/// Two landmarks: both positions are occupied in the same scan at least this often, and in this
-/// fraction of the scans of the rarer position.
-constexpr int kAtOnceMin = 5;
-constexpr double kAtOnceFraction = 0.3;
-/// Minimum number of scans of the rarer position, and its fraction of the scans of the other.
-constexpr int kRarerScansMin = 10;
-constexpr double kRarerFraction = 0.5;
-/// A bush or hedge fills the space between its parts: maximum fraction of the rarer position's
-/// scans that may show something in the middle.
-constexpr double kBetweenFractionMax = 0.5;
-/// Minimum number of observations of each half of a split landmark.
-constexpr std::size_t kHalfObservationsMin = 8;
 
 /// An observation near a landmark, in map; associated with it or not.
 struct WindowObservation {
@@ -85,8 +73,9 @@ bool are_distinct(const Window& window, const Vector2d& a, const Vector2d& b,
   int both = 0;
   for (std::size_t i = 0; i < at_a.size(); ++i) both += at_a[i] & at_b[i];
   const int fewer = std::min(count(at_a), count(at_b));
-  if (both < kAtOnceMin || both < kAtOnceFraction * fewer) return false;
-  return count(scans_showing(window, 0.5 * (a + b), kBetween_m)) <= kBetweenFractionMax * fewer;
+  if (both < tuning::kAtOnceMin || both < tuning::kAtOnceFraction * fewer) return false;
+  return count(scans_showing(window, 0.5 * (a + b), tuning::kBetween_m)) <=
+         tuning::kBetweenFractionMax * fewer;
 }
 
 /// Mean of the observations at the position occupied in the most scans, among positions that
@@ -97,7 +86,7 @@ std::optional<Vector2d> best_position(const Window& window, const IsAllowed& is_
   Vector2d best;
   for (const WindowObservation& o : window) {
     if (!is_allowed(o.p_map)) continue;
-    const int num = count(scans_showing(window, o.p_map, kAtPosition_m));
+    const int num = count(scans_showing(window, o.p_map, tuning::kAtPosition_m));
     if (num <= num_best) continue;
     num_best = num;
     best = o.p_map;
@@ -106,7 +95,7 @@ std::optional<Vector2d> best_position(const Window& window, const IsAllowed& is_
   Vector2d sum = Vector2d::Zero();
   int num = 0;
   for (const WindowObservation& o : window) {
-    if ((o.p_map - best).squaredNorm() >= kAtPosition_m * kAtPosition_m) continue;
+    if ((o.p_map - best).squaredNorm() >= tuning::kAtPosition_m * tuning::kAtPosition_m) continue;
     sum += o.p_map;
     ++num;
   }
@@ -121,10 +110,11 @@ std::optional<PositionPair> two_positions(const Window& window, double apart_m) 
   const auto second = best_position(
       window, [&](const Vector2d& p) { return (p - *first).squaredNorm() > apart_m * apart_m; });
   if (!second || (*second - *first).norm() <= apart_m) return std::nullopt;
-  const auto at_first = scans_showing(window, *first, kAtPosition_m);
-  const auto at_second = scans_showing(window, *second, kAtPosition_m);
+  const auto at_first = scans_showing(window, *first, tuning::kAtPosition_m);
+  const auto at_second = scans_showing(window, *second, tuning::kAtPosition_m);
   const int num = count(at_second);
-  if (num < kRarerScansMin || num < kRarerFraction * count(at_first)) return std::nullopt;
+  if (num < tuning::kRarerScansMin || num < tuning::kRarerFraction * count(at_first))
+    return std::nullopt;
   if (!are_distinct(window, *first, *second, at_first, at_second)) return std::nullopt;
   return PositionPair{*first, *second};
 }
@@ -173,7 +163,7 @@ bool split(MapState& map, std::int32_t index, const Window& window, const Positi
       continue;
     if (scans[to].insert(o.scan).second) chains[to].push_back(o.observation);
   }
-  if (std::min(chains[0].size(), chains[1].size()) < kHalfObservationsMin) return false;
+  if (std::min(chains[0].size(), chains[1].size()) < tuning::kHalfObservationsMin) return false;
   const LandmarkRecord was = map.landmarks[index];
   map.rebuild_landmark(index, was, std::move(chains[0]));
   map.rebuild_landmark(map.landmarks.add(positions.second, was.width_m), was, std::move(chains[1]));
@@ -207,8 +197,8 @@ bool are_distinct_landmarks(const MapState& map, std::int32_t a, std::int32_t b)
   const Vector2d p_a = r.association_position(), p_b = other.association_position();
   const Window window = observations_around(map.observations, fewer.last_observation,
                                             fewer.association_position(), 2.0 * map.config.merge_m);
-  return are_distinct(window, p_a, p_b, scans_showing(window, p_a, kAtPosition_m),
-                      scans_showing(window, p_b, kAtPosition_m));
+  return are_distinct(window, p_a, p_b, scans_showing(window, p_a, tuning::kAtPosition_m),
+                      scans_showing(window, p_b, tuning::kAtPosition_m));
 }
 
 }  // namespace orchard::mapping

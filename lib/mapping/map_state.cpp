@@ -14,6 +14,7 @@
 namespace orchard::mapping {
 namespace {
 
+/// derived: the floor of 1 mm that compose() adds.
 constexpr double kAssociationVarianceMin_m2 = 1e-6;
 
 /// Adds one observation to a record; its aligned position and variance update the association
@@ -132,7 +133,7 @@ std::vector<std::int32_t> MapState::observations_of(std::int32_t index) const {
 
 namespace {
 
-/// Minimum number of judged observations.
+/// derived: Minimum number of judged observations.
 constexpr int kJudgedMin = 10;
 
 }  // namespace

@@ -17,8 +17,8 @@
 
 namespace orchard::mapping {
 
-/// Maximum number of newest observations used for a landmark's position. Bounds the cost per scan
-/// of a robot that stands still for hours.
+/// derived: Maximum number of newest observations used for a landmark's position. Bounds the cost
+/// per scan of a robot that stands still for hours.
 inline constexpr std::size_t kPositionSamplesMax = 512;
 
 /// Changes of the map by one scan: ids of new or changed landmarks, and ids removed because they

@@ -21,7 +21,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// Minimum number of observations for a tree's scatter.
+/// derived: Minimum number of observations for a tree's scatter.
 constexpr int kScatterObservationsMin = 10;
 
 /// Merges each changed landmark with its merge partner, repeatedly, until none has one.

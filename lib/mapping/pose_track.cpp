@@ -10,7 +10,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// The first and last pose are valid this long beyond the ends: the robot moves 0.2 m at
+/// derived: The first and last pose are valid this long beyond the ends: the robot moves 0.2 m at
 /// most.
 constexpr std::int64_t kBeyondEnds_us = 100'000;
 
@@ -156,7 +156,7 @@ std::optional<pose::PoseEstimate> PoseTrack::at(std::int64_t utime) const {
 
 namespace {
 
-/// Maximum duration of a sweep; later times do not belong to the scan.
+/// derived: Maximum duration of a sweep; later times do not belong to the scan.
 constexpr std::int64_t kSweepMax_us = 1'000'000;
 
 bool is_of_sweep(std::int64_t utime, std::int64_t scan_utime) {

@@ -54,6 +54,7 @@ class ModeCache {
   std::size_t num_bytes() const { return known_.capacity() * sizeof(Known); }
 
  private:
+  /// derived: the mode of so few costs microseconds.
   static constexpr std::int32_t kFew = 32;
   struct Known {
     PositionMode mode;

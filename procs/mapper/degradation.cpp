@@ -13,13 +13,15 @@
 namespace orchard::procs {
 namespace {
 
-/// Shorter gaps are normal: pictures are slower than scans, and fixes arrive once a second.
+/// derived: Shorter gaps are normal: pictures are slower than scans, and fixes arrive once a
+/// second.
 constexpr std::int64_t kWithoutPicture_us = 3'000'000;
 constexpr std::int64_t kWithoutFix_us = 5'000'000;
 
+/// derived: a drive of ten hours keeps 36,000 ids.
 constexpr std::int64_t kIdPeriod_us = 1'000'000;
 
-/// Limit for a loose contact; further intervals are merged into the last.
+/// derived: Limit for a loose contact; further intervals are merged into the last.
 constexpr std::size_t kStretchesMax = 1000;
 
 void add(std::vector<std::pair<std::int64_t, std::int64_t>>& spans, std::int64_t from,
@@ -123,7 +125,8 @@ std::string Degradation::text() const {
 
 namespace {
 
-/// Min number of such scans before the finding is reported; a single one may be a jump of the pose.
+/// derived: Min number of such scans before the finding is reported; a single one may be a jump of
+/// the pose.
 constexpr std::int64_t kMovedMin = 20;
 
 }  // namespace

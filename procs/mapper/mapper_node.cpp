@@ -18,30 +18,34 @@
 namespace orchard::procs {
 namespace {
 
-/// Total motion by corrections above which the map is rebuilt [m]: half of the map's accuracy.
+/// derived: Total motion by corrections above which the map is rebuilt [m]: half of the map's
+/// accuracy.
 constexpr double kRebuild_m = 0.02;
 
-/// Period of the refresh of the whole MAP in message time [s]: the longest wait of a late joiner.
+/// derived: Period of the refresh of the whole MAP in message time [s]: the longest wait of a late
+/// joiner.
 constexpr double kRefreshPeriod_s = 2.0;
 
-/// Max number of landmarks refreshed per second: larger maps take more than one period.
+/// derived: Max number of landmarks refreshed per second: larger maps take more than one period.
 constexpr double kRefreshMax_per_s = 200.0;
 
-/// Sizes of a tile: with 97 bytes per landmark and 4 per removed id it is well below 60 kB.
+/// derived: Sizes of a tile: with 97 bytes per landmark and 4 per removed id it is well below 60
+/// kB.
 constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
-/// Max number of refreshed landmarks per scan: one more tile.
+/// derived: Max number of refreshed landmarks per scan: one more tile.
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
+/// derived: closer fixes share their error and add nothing to a fit of metres.
 constexpr double kFixSpacing_m = 0.5;
 
-/// How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to start, and
-/// earlier poses follow once the first pose is known.
+/// derived: How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to
+/// start, and earlier poses follow once the first pose is known.
 constexpr double kFirstPoseWait_s = 60.0;
 
-/// Min duration for an estimate of the velocity from two poses.
+/// derived: Min duration for an estimate of the velocity from two poses.
 constexpr double kSweepMin_s = 0.005;
 
-/// Max number of scans waiting for their DETECTIONS: four minutes, a megabyte.
+/// derived: Max number of scans waiting for their DETECTIONS: four minutes, a megabyte.
 constexpr std::size_t kScansWaitingMax = 1000;
 
 std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
@@ -485,7 +489,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
 
 namespace {
 
-/// Interval over which the velocity of base is estimated from its poses.
+/// derived: Interval over which the velocity of base is estimated from its poses.
 constexpr std::int64_t kMotion_us = 200'000;
 
 constexpr double kMotion_s = 1e-6 * static_cast<double>(kMotion_us);

@@ -20,11 +20,12 @@
 namespace orchard::procs {
 namespace {
 
-/// Max number of landmarks for saving the whole folder in a running process. Drawing more takes
-/// over 0.1 s, during which the node waits; these are drawn at the end.
+/// derived: Max number of landmarks for saving the whole folder in a running process. Drawing more
+/// takes over 0.1 s, during which the node waits; these are drawn at the end.
 constexpr std::size_t kDrawnLiveMax = 3000;
 
-/// One save of map.csv is passed over per this many landmarks: finishing a large map takes long.
+/// derived: One save of map.csv is passed over per this many landmarks: finishing a large map takes
+/// long.
 constexpr std::size_t kSavedEachTime = 1000;
 
 }  // namespace
@@ -86,17 +87,18 @@ namespace {
 /// Record kind of a flush; the others are channel numbers.
 constexpr std::uint8_t kFlushRecord = 255;
 
-/// Disk space that the journal leaves for the map's own files.
+/// derived: Disk space that the journal leaves for the map's own files.
 constexpr std::uint64_t kReserved_bytes = 4u << 20;
 
-/// Max number of earlier maps in STATUS; the log has all.
+/// derived: Max number of earlier maps in STATUS; the log has all.
 constexpr std::size_t kNotesMax = 10;
 
 /// Files of a program that kept only the inputs since a snapshot of its state in the journal.
 constexpr const char* kSnapshotName = "mapper.snapshot";
 constexpr const char* kChunksName = "mapper.chunks";
 
-/// Number of replayed records between two calls of on_progress(): some hundredths of a second.
+/// derived: Number of replayed records between two calls of on_progress(): some hundredths of a
+/// second.
 constexpr std::int64_t kProgressPeriod = 500;
 
 /// True if the frame of the poses survives a restart of orchard-pose: it is given from outside, not

@@ -10,6 +10,7 @@
 #include "detection/trunk_view.hpp"
 #include "geometry/point_grid.hpp"
 #include "mapping/candidate.hpp"
+#include "mapping/tuning.hpp"
 #include "vision/jpeg_writer.hpp"
 #include "vision/sharpness.hpp"
 
@@ -18,20 +19,21 @@ namespace {
 
 using detection::PlanePoint;
 
-/// Half size of a frame: at least this, and in trunk widths. It should show the surroundings, the
-/// ground and the first branches.
+/// derived: Half size of a frame: at least this, and in trunk widths. It should show the
+/// surroundings, the ground and the first branches.
 constexpr double kHalfFrameMin_m = 0.4;
 constexpr double kHalfFrame_widths = 2.0;
-constexpr double kHeight_widths = 2.0;  ///< height of a frame, in frame widths
+constexpr double kHeight_widths = 2.0;  ///< derived: in frame widths: a trunk is taller than wide
 
-/// Minimum half width of a frame, in trunk widths and pixels.
+/// derived: Minimum half width of a frame, in trunk widths and pixels.
 constexpr double kHalfFrameMin_trunks = 1.0;
 constexpr double kHalfFrameMin_px = 8.0;
 
-/// Factor on the worth of a partly hidden subject: less than a poorer image of the whole.
-constexpr double kHiddenWorth = 0.2;
+/// derived: the thinnest trunk: what is nearer by less is the same object.
 constexpr double kNearer_m = 0.1;
+/// derived: a whip is as thin.
 constexpr double kThinnest_m = 0.02;
+/// derived: bark keeps its detail; a lower quality saves little of such small pictures.
 constexpr int kQuality = 80;
 
 /// An object in the image, in pixels.
@@ -120,7 +122,8 @@ double quality(const Framing& framing, vision::PictureReader& picture) {
   if (!block) return 0.0;
   const vision::Sharpness sharp = vision::sharpness(*block);
   const double shown = framing.fraction * framing.fraction * (1.0 - sharp.clipped_fraction);
-  return framing.px_per_m * sharp.detail_per_px * shown * (framing.is_hidden ? kHiddenWorth : 1.0);
+  return framing.px_per_m * sharp.detail_per_px * shown *
+         (framing.is_hidden ? tuning::kHiddenWorth : 1.0);
 }
 
 std::vector<std::uint8_t> cropped_jpeg(const Framing& framing, vision::PictureReader& picture) {
@@ -132,7 +135,8 @@ std::vector<std::uint8_t> cropped_jpeg(const Framing& framing, vision::PictureRe
 
 namespace {
 
-/// Max distance of a photograph's subject from its landmark's centre [m]; more for wide landmarks.
+/// derived: Max distance of a photograph's subject from its landmark's centre [m]; more for wide
+/// landmarks.
 constexpr double kOfLandmark_m = 0.4;
 constexpr double kSearchMax_m = 3.0;
 
@@ -203,26 +207,26 @@ std::vector<AlbumEntry> choose_photographs(const std::vector<Landmark>& landmark
 
 namespace {
 
-/// Min time between examined images: at 1 m/s base moves 0.5 m in it, and the nearest view of a
-/// trunk at 2 m is at most 1 % farther away than the trunk.
+/// derived: Min time between examined images: at 1 m/s base moves 0.5 m in it, and the nearest view
+/// of a trunk at 2 m is at most 1 % farther away than the trunk.
 constexpr std::int64_t kPicturePeriod_us = 500'000;
 
-/// A longer gap between views starts a new passing, because the pose may have drifted.
+/// derived: A longer gap between views starts a new passing, because the pose may have drifted.
 constexpr std::int64_t kPassing_us = 10'000'000;
+/// derived: half a tree spacing at least separates two trunks.
 constexpr double kSamePlace_m = 0.3;
 
-/// Minimum ratio of worth for replacing a view.
-constexpr double kBetter = 1.05;
-
-/// Limits of the queues for scans and images that wait for each other while poses are late: about a
-/// minute.
+/// derived: Limits of the queues for scans and images that wait for each other while poses are
+/// late: about a minute.
 constexpr std::size_t kWaitingScansMax = 600;
 constexpr std::size_t kWaitingPicturesMax = 300;
 constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;
 
-/// Fill level after drop_worst_photographs(), so that it does not run for every photograph.
+/// derived: fill level after drop_worst_photographs(), so that it does not run for every
+/// photograph.
 constexpr double kFilled = 0.9;
 
+// physical: SI.
 constexpr double kBytesPerMb = 1e6;
 
 bool is_close(double ax_m, double ay_m, double bx_m, double by_m, double gate_m) {
@@ -307,7 +311,7 @@ void Album::observe(const WaitingScan& scan, const Picture& image) {
         composition.apply(scan.subjects[i].x_base_m, scan.subjects[i].y_base_m);
     Passing& passing = passings_[passing_at(p_map.x(), p_map.y(), scan.utime)];
     passing.last_utime = scan.utime;
-    if (!(is_worth > kBetter * passing.best.quality)) continue;
+    if (!(is_worth > tuning::kBetter * passing.best.quality)) continue;
     num_bytes_ -= num_bytes_of(passing);
     passing.best = {scan.utime, image->utime, framings[i].frame, scan.subjects[i], is_worth, {}};
     passing.framing = framings[i];

@@ -5,18 +5,12 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-constexpr double kGrowthScale_m = 0.05;            ///< of widths that changed (exponential)
-constexpr double kOutlierScale_m = 0.1;            ///< of outliers among widths
-constexpr double kOutlierPosition_m = 0.1;         ///< of outliers among positions, per axis
-constexpr double kPositionOutliersOfTrees = 0.01;  ///< fraction of unchanged pairs
-constexpr double kPositionOutliersOfOthers = 0.05;
-constexpr double kOutliersMax = 0.3;
-constexpr double kBushPosition_m = 0.03;  ///< additional position sd of width outliers
-constexpr double kThinner = -4.0;         ///< standard errors
+constexpr double kThinner = -4.0;  ///< derived: standard errors; by chance one pair in 30,000
 
 double normal(double deviation, double sd) {
   const double u = deviation / sd;
@@ -43,7 +37,7 @@ ChangePosterior change_posterior(const PairObservation& pair, const PairScatter&
   const double width_outliers =
       pair.both_trees ? scatter.width_outliers_of_trees : scatter.width_outliers_of_others;
   const double position_outliers =
-      pair.both_trees ? kPositionOutliersOfTrees : kPositionOutliersOfOthers;
+      pair.both_trees ? tuning::kPositionOutliersOfTrees : tuning::kPositionOutliersOfOthers;
   const double there = position_density(pair.distance_m, position_sd_m);
   const double as_wide = normal(pair.width_change_m, width_sd_m);
   const double as_wide_as_all = normal(pair.width_change_m - scatter.width_common_m, width_sd_m);
@@ -52,16 +46,17 @@ ChangePosterior change_posterior(const PairObservation& pair, const PairScatter&
   ChangePosterior posterior;
   const double displaced =
       position_outliers *
-      position_density(pair.distance_m, std::hypot(position_sd_m, kOutlierPosition_m));
+      position_density(pair.distance_m, std::hypot(position_sd_m, tuning::kOutlierPosition_m));
   posterior.unchanged =
-      still * ((1.0 - width_outliers - position_outliers) * there * as_wide +
-               width_outliers *
-                   position_density(pair.distance_m, std::hypot(position_sd_m, kBushPosition_m)) *
-                   change_of_width(pair.width_change_m, kOutlierScale_m) +
-               displaced * as_wide);
+      still *
+      ((1.0 - width_outliers - position_outliers) * there * as_wide +
+       width_outliers *
+           position_density(pair.distance_m, std::hypot(position_sd_m, tuning::kBushPosition_m)) *
+           change_of_width(pair.width_change_m, tuning::kOutlierScale_m) +
+       displaced * as_wide);
   posterior.changed_with_all = still * displaced * std::max(0.0, as_wide_as_all - as_wide);
   posterior.width_changed =
-      kChangedFraction * there * change_of_width(pair.width_change_m, kGrowthScale_m);
+      kChangedFraction * there * change_of_width(pair.width_change_m, tuning::kGrowthScale_m);
   posterior.moved = kChangedFraction * as_wide_as_all /
                     (geometry::kPi * scatter.moved_max_m * scatter.moved_max_m);
   const double others_per_m2 = 1.0 / (2.0 * scatter.spacing_m * scatter.spacing_m);
@@ -86,7 +81,7 @@ double outlier_fraction(const std::vector<double>& deviations, double expected, 
                                          [](double deviation) { return deviation < kThinner; });
   const double fraction = (2.0 * static_cast<double>(num_thinner) + weight * expected) /
                           (static_cast<double>(deviations.size()) + weight);
-  return std::min(fraction, kOutliersMax);
+  return std::min(fraction, tuning::kOutliersMax);
 }
 
 double confidence_of_absence(double probability_missed, double real) {

@@ -5,7 +5,7 @@
 
 namespace orchard::mapping {
 
-/// Prior probability of each kind of change of a tree between two drives.
+/// derived: Prior probability of each kind of change of a tree between two drives.
 inline constexpr double kChangedFraction = 0.05;
 
 /// Scatter of pairs of one object between two maps.

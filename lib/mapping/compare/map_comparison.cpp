@@ -7,10 +7,12 @@
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/compare/change_posterior.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
+/// derived: three parts are a clump.
 constexpr int kNumOthersMin = 2;
 
 }  // namespace
@@ -36,11 +38,12 @@ namespace {
 
 using detection::Label;
 
-constexpr double kCertaintyMax = 0.995;  ///< the rest moved farther than the search radius
+constexpr double kCertaintyMax = 0.995;  ///< derived: the rest moved farther than the search radius
+/// derived: the odds that kCertaintyMax leaves.
 constexpr double kMissedIfAssumed = 0.005;
-constexpr double kNearestOther = 0.9;  ///< of the tree spacing: farther away it is another tree
 
-/// 95 % quantile of the distance from the mean of a 2D normal distribution, in standard deviations.
+/// derived: 95 % quantile of the distance from the mean of a 2D normal distribution, in standard
+/// deviations.
 constexpr double kCloudSigmas = 2.448;
 
 /// Scatter of a landmark's observations: standard deviation per axis.
@@ -125,6 +128,7 @@ struct WidthChange {
 /// bush depends on the viewpoint. From all pairs only if there are too few trees.
 WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                             const std::vector<LandmarkPair>& pairs) {
+  // derived: fewer have no scatter.
   constexpr std::size_t kMinTrees = 5;
   std::vector<double> of_trees_m, of_all_m;
   for (const LandmarkPair& pair : pairs) {
@@ -159,6 +163,7 @@ struct WidthNoise {
 /// scaled to the scatter of the pairs of trees.
 WidthNoise width_noise_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                           const std::vector<LandmarkPair>& pairs, double common_m) {
+  // derived: fewer have no scatter.
   constexpr std::size_t kMinTrees = 5;
   std::vector<double> deviations;
   for (const LandmarkPair& pair : pairs) {
@@ -245,7 +250,7 @@ class MapComparer {
     width_noise_ = width_noise_of(a, b, pairs_, width_change_.common_m);
     scatter_ = scatter_of(a, b, pairs_, width_change_, typical_variance_);
     scatter_.spacing_m = std::max(spacing_m, gate_m_);
-    scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
+    scatter_.moved_max_m = std::min(config.moved_max_m, tuning::kNearestOther * scatter_.spacing_m);
   }
 
   MapComparison compare() {
@@ -289,6 +294,7 @@ class MapComparer {
   /// Pairs landmarks that probably moved: an unpaired one near an empty position, with the same
   /// width.
   void pair_moved() {
+    // derived: less probable moves change no confidence.
     constexpr double kProbabilityMin = 0.01;
     struct Offer {
       double probability;

@@ -168,9 +168,10 @@ namespace {
 using detection::Label;
 using Eigen::Matrix2d;
 
-/// Lower limit of a map's position error [m], regardless of its standard errors.
+/// derived: Lower limit of a map's position error [m], regardless of its standard errors.
 constexpr double kFloor_m = 0.01;
-/// Scatter of one observation, used if there is no standard error [m].
+/// derived: Scatter of one observation [m], for maps from outside without standard errors:
+/// that of a detection at some metres.
 constexpr double kOneObservation_m = 0.03;
 
 /// Inverse of eq. 13: sum of squares about the mean from the standard error.

@@ -10,6 +10,7 @@
 #include "geometry/statistics.hpp"
 #include "geometry/visibility.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/tuning.hpp"
 #include "pose/repeat_model.hpp"
 
 namespace orchard::mapping {
@@ -18,8 +19,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
-/// Quantile of the visibilities of a well visible tree.
-constexpr double kSeenWell = 0.75;
 
 using Rates = std::array<double, kNumRanges>;
 
@@ -27,6 +26,7 @@ using Rates = std::array<double, kNumRanges>;
 /// (least squares by coordinate descent: convex, few unknowns). Where the data do not separate
 /// bins, the nearer one gets the rate.
 Rates fit_rates(const std::vector<Rates>& fractions, const std::vector<double>& per_second) {
+  // derived: enough to converge.
   constexpr int kSweeps = 300;
   Rates rates{};
   std::array<Rates, kNumRanges> products{};
@@ -83,7 +83,8 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   std::vector<double> visibilities = deviations;
   for (double& v : visibilities) v += 1.0;
   if (!visibilities.empty()) {
-    clear_visibility_ = std::max(1e-3, geometry::quantile(std::move(visibilities), kSeenWell));
+    clear_visibility_ =
+        std::max(1e-3, geometry::quantile(std::move(visibilities), tuning::kSeenWell));
   }
   // Assume a relative spread of at least one half, even if a small map shows less.
   const double spread = deviations.empty() ? 1.0 : geometry::robust_sd(std::move(deviations));
@@ -129,10 +130,10 @@ double DetectionMap::probability_missed(const Vector2d& p_map, double visibility
 
 namespace {
 
-constexpr double kViewStep_m = 0.5;  ///< min distance between two views
-constexpr double kTurn_rad = 0.15;   ///< or min rotation between them
-constexpr int kNumBearings = 1440;   ///< 0.25 degrees: a trunk of 0.1 m at 20 m covers one
-constexpr double kBehind_m = 0.5;    ///< distance behind an object that still belongs to it
+constexpr double kViewStep_m = 0.5;  ///< derived: between two views: a cell (kCell_m)
+constexpr double kTurn_rad = 0.15;   ///< derived: or such a turn: as far at 3 m
+constexpr int kNumBearings = 1440;   ///< derived: 0.25 degrees: a trunk of 0.1 m at 20 m covers one
+constexpr double kBehind_m = 0.5;    ///< derived: behind an object: the depth of a bush
 
 struct View {
   Vector2d p_laser{0.0, 0.0};

@@ -29,8 +29,9 @@ struct SensorView {
 /// them. Each pose counts for its duration, within limits.
 class VisibilityGrid {
  public:
+  /// derived: half the distance at which coverage changes.
   static constexpr double kCell_m = 0.5;
-  /// Upper ends of the distance bins [m]; the last bin extends to the range of the sensor.
+  /// derived: Upper ends of the distance bins [m]; the last bin extends to the range of the sensor.
   static constexpr std::array<double, 12> kRangeEnds_m{1.5, 2.5, 3.5,  4.5,  5.5,  6.5,
                                                        7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
   using Seconds = std::array<float, kRangeEnds_m.size()>;  ///< time in view per distance bin
@@ -44,6 +45,7 @@ class VisibilityGrid {
   Seconds at(const Eigen::Vector2d& p_map) const;
 
  private:
+  /// derived: a tile is 16 m wide.
   static constexpr int kTileCells = 32;
   using Tile = std::vector<Seconds>;
 

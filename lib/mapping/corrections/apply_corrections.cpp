@@ -488,6 +488,7 @@ class Bend {
       : T_earlier_now_(T_earlier_now), known_(known_of(earlier, now)) {}
 
   Vector2d now(const Vector2d& p_earlier) const {
+    // derived: as for the residuals around a pair (landmark_pairing.cpp).
     constexpr std::size_t kNumNeighbours = 9;
     constexpr double kReach_m = 25.0;
     std::vector<double> x_m, y_m;
@@ -546,7 +547,7 @@ std::vector<Correction> carry_corrections(const std::vector<Correction>& correct
   std::vector<Correction> carried = corrections;
   for (Correction& c : carried) {
     for (CorrectionTarget& target : c.targets) {
-      constexpr double kSame_m = 0.002;  // files are rounded to 0.1 mm
+      constexpr double kSame_m = 0.002;  // derived: files are rounded to 0.1 mm
       const auto before = then.find(target.id);
       const auto after = found_again.find(target.id);
       const bool is_as_mapped =

@@ -50,7 +50,7 @@ struct CorrectedMap {
 CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int32_t next_id,
                                const std::vector<Correction>& corrections);
 
-/// Max ratio of the widths of one object.
+/// derived: Max ratio of the widths of one object.
 inline constexpr double kLikeWidth = 2.0;
 
 /// Which corrections hold after all undo and redo entries: one flag each, in order. An undo of a

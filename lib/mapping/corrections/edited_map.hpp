@@ -42,10 +42,10 @@ struct EditedMapCorrections {
   std::vector<std::string> left_out;  ///< changes that no correction can express, one sentence each
 };
 
-/// Positions closer than this are equal: programs store degrees to seven decimals [m].
+/// derived: Positions closer than this are equal: programs store degrees to seven decimals [m].
 inline constexpr double kEditedPlace_m = 0.01;
 
-/// Widths that differ by less are equal: files are rounded [m].
+/// derived: Widths that differ by less are equal: files are rounded [m].
 inline constexpr double kEditedWidth_m = 0.001;
 
 /// Returns the corrections that turn `before`, the exported map, into `edited`: deleted, added,

@@ -6,38 +6,32 @@
 #include <cmath>
 
 #include "mapping/candidate.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Probability that beams pass through the position of an existing object: thin objects and wrong
-/// poses.
-constexpr double kPassRate = 0.1;
-
-/// Probability that they pass if the object is gone; less than 1 because another may be in front.
-constexpr double kPassRateGone = 0.7;
-
-/// Number of beams across an object from which their evidence has full weight.
-constexpr int kFullBeams = 6;
-
-/// Upper limit of pose_weight().
+/// derived: Upper limit of pose_weight().
 constexpr int kPoseWeightMax = 100;
 
 }  // namespace
 
-double log_odds_of_return() { return std::log((1.0 - kPassRate) / (1.0 - kPassRateGone)); }
+double log_odds_of_return() {
+  return std::log((1.0 - tuning::kPassRate) / (1.0 - tuning::kPassRateGone));
+}
 
 double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight) {
-  const double fraction = weight == BeamWeight::kFull
-                              ? 1.0
-                              : std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
+  const double fraction =
+      weight == BeamWeight::kFull
+          ? 1.0
+          : std::min(1.0, static_cast<double>(answer.num_across) / tuning::kFullBeams);
   switch (answer.evidence) {
     case FreeSpaceEvidence::kUnknown:
       break;
     case FreeSpaceEvidence::kReturns:
       return log_odds_of_return();
     case FreeSpaceEvidence::kPassesThrough:
-      return fraction * fraction * std::log(kPassRate / kPassRateGone);
+      return fraction * fraction * std::log(tuning::kPassRate / tuning::kPassRateGone);
   }
   return 0.0;
 }
@@ -46,10 +40,7 @@ int pose_weight(int num_observations) { return std::min(num_observations, kPoseW
 
 namespace {
 
-/// Upper limit of the existence log odds, so that a landmark can still be dropped later.
-constexpr double kBeamLogOddsMax = 8.0;
-
-/// Number of scans stored for was_free_before(): one minute at most.
+/// derived: Number of scans stored for was_free_before(): one minute at most.
 constexpr std::size_t kObservationsMax = 240;
 
 using Eigen::Vector2d;
@@ -66,7 +57,7 @@ bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, dou
     log_odds += log_odds_of(observation.free_space->at(
         p_base, width_m, std::hypot(sd_m, pose_induced_sd_m(observation.T_map_base, p_map))));
   }
-  return log_odds < kLogOddsGone;
+  return log_odds < tuning::kLogOddsGone;
 }
 
 /// Evidence of one scan's beams for and against each landmark in view.
@@ -123,10 +114,10 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
   std::vector<std::int32_t> gone;
   for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
     landmarks.change(evidence.index, [&](LandmarkRecord& r) {
-      r.existence_log_odds =
-          static_cast<float>(std::min(kBeamLogOddsMax, r.existence_log_odds + evidence.log_odds));
+      r.existence_log_odds = static_cast<float>(
+          std::min(tuning::kBeamLogOddsMax, r.existence_log_odds + evidence.log_odds));
     });
-    if (landmarks[evidence.index].existence_log_odds < kLogOddsGone) {
+    if (landmarks[evidence.index].existence_log_odds < tuning::kLogOddsGone) {
       gone.push_back(evidence.index);
     }
   }

@@ -16,9 +16,6 @@
 
 namespace orchard::mapping {
 
-/// Log odds of existence below which a landmark is dropped (12 %).
-inline constexpr double kLogOddsGone = -2.0;
-
 /// Log odds of existence from a returned beam or an observation.
 double log_odds_of_return();
 

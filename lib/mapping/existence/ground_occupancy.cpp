@@ -8,21 +8,22 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Positions this close to the path of base were driven over [m]: less than half the width of any
-/// vehicle.
+/// derived: Positions this close to the path of base were driven over [m]: less than half the width
+/// of any vehicle.
 constexpr double kDriven_m = 0.25;
-/// Number of votes that decide.
-constexpr int kVotes = 8;
-constexpr int kReturnWeight = 3;
-/// Scans that moved less than this from the last stored one, and turned less, are skipped.
+/// derived: Scans that moved less than this from the last stored one, and turned less, are skipped:
+/// half of kSeenPlace_m, so that other beams cross a position.
 constexpr double kMoved_m = 0.1;
 constexpr double kTurned_rad = 0.1;
+/// derived: half a megabyte.
 constexpr std::size_t kUnpackedMax = 512;
-/// Radius of the first ring in which scans are looked for [m]; each next one is twice as wide.
+/// derived: Radius of the first ring in which scans are looked for [m]; each next one is twice as
+/// wide.
 constexpr double kFirstRing_m = 2.0;
 
 }  // namespace
@@ -49,7 +50,7 @@ const FreeSpace* GroundOccupancy::free_space(std::int32_t number) {
 }
 
 bool GroundOccupancy::Votes::is_passable() const {
-  return num_passes >= kReturnWeight * num_returns;
+  return num_passes >= tuning::kReturnWeight * num_returns;
 }
 
 /// Calls visit(scan, squared distance) for stored scans within reach of the position, nearest
@@ -101,7 +102,7 @@ GroundOccupancy::Votes GroundOccupancy::votes_at(const Eigen::Vector2d& p_map) {
         beams->at(geometry::inverse_transform(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
     votes.num_passes += answer.evidence == FreeSpaceEvidence::kPassesThrough;
     votes.num_returns += answer.evidence == FreeSpaceEvidence::kReturns;
-    return votes.num_passes + votes.num_returns < kVotes;
+    return votes.num_passes + votes.num_returns < tuning::kVotes;
   });
   return votes;
 }
@@ -124,7 +125,7 @@ bool GroundOccupancy::is_open(const Eigen::Vector2d& from_map, const Eigen::Vect
     if (seen.num_within + seen.num_through == 0) return true;
     votes.num_passes += seen.num_through;
     votes.num_returns += seen.num_within;
-    return ++num_scans < kVotes;
+    return ++num_scans < tuning::kVotes;
   });
   return votes.num_passes > 0 && votes.is_passable();
 }

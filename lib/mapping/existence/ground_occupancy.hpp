@@ -15,7 +15,7 @@
 
 namespace orchard::mapping {
 
-/// Width of a queried position [m]: two or more beams cross it.
+/// derived: Width of a queried position [m]: two or more beams cross it.
 inline constexpr double kSeenPlace_m = 0.2;
 
 /// Free and blocked ground, from the scans of a drive and the robot's path. Used for the navigation

@@ -10,14 +10,10 @@
 #include "mapping/existence/existence.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
-
-/// Landmarks with this many observations are not strays.
-constexpr int kStrayObservationsMax = 30;
-/// A bush hides its stem from all but about one of four sides.
-constexpr double kStemFraction = 0.25;
 
 /// 1-sigma distance of a landmark from its expected position in a scan of this pose [m].
 double view_sd_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
@@ -82,7 +78,7 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
   std::vector<std::int32_t> seen_in;
   double seen_range_max_m = 0.0;
   for (const std::int32_t k :
-       map.observations.newest_of(r.last_observation, kStrayObservationsMax)) {
+       map.observations.newest_of(r.last_observation, tuning::kStrayObservationsMax)) {
     const std::int32_t scan = map.observations[k].scan;
     seen_in.push_back(scan);
     seen_range_max_m = std::max(seen_range_max_m, base_position(map, scan, p_map).norm());
@@ -123,12 +119,13 @@ bool is_of_a_bush(const MapState& map, std::int32_t index) {
   if (r.is_clump) return false;
   bool is_part = false;
   map.landmarks.near(
-      r.association_position(), 0.5 * (r.width_m + map.config.object_width_max_m) + kTouch_m,
+      r.association_position(),
+      0.5 * (r.width_m + map.config.object_width_max_m) + tuning::kTouch_m,
       [&](std::int32_t i, const LandmarkRecord& bush) {
         if (i == index || !bush.is_clump) return;
-        if (r.num_all >= kStemFraction * bush.num_all) return;
+        if (r.num_all >= tuning::kStemFraction * bush.num_all) return;
         const double apart_m = (bush.association_position() - r.association_position()).norm();
-        is_part |= apart_m < extent_radius_m(bush) + 0.5 * r.width_m + kTouch_m;
+        is_part |= apart_m < extent_radius_m(bush) + 0.5 * r.width_m + tuning::kTouch_m;
       });
   return is_part;
 }
@@ -148,7 +145,7 @@ bool stands_on_free_ground(const LandmarkRecord& r, double object_width_max_m,
       num_free += ground.is_free(r.association_position() + arm);
     }
   }
-  return num_free >= kPassFraction * num;
+  return num_free >= tuning::kPassFraction * num;
 }
 
 }  // namespace
@@ -158,9 +155,9 @@ std::vector<std::int32_t> spurious_landmarks(const MapState& map, GroundOccupanc
   TrustedScans trusted(map);
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
-    if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
+    if (r.is_removed || r.num_all >= tuning::kStrayObservationsMax) continue;
     if (is_of_a_bush(map, i) || stands_on_free_ground(r, map.config.object_width_max_m, ground) ||
-        log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
+        log_odds_of_drive(map, r, trusted, ground) < tuning::kLogOddsGone) {
       strays.push_back(i);
     }
   }

@@ -11,11 +11,12 @@
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/landmark_record.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Chords per half circle; the approximation error is less than 1 % of the radius.
+/// derived: Chords per half circle; the approximation error is less than 1 % of the radius.
 constexpr int kChordsOfHalf = 12;
 
 }  // namespace
@@ -41,12 +42,9 @@ std::vector<Eigen::Vector2d> outline_of(const Landmark& l) {
 
 namespace {
 
-/// Log odds of being a tree below which a landmark is certainly not one.
-constexpr double kSurelyNone = -2.0;
-
 bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
   return label_of(r, config) == detection::Label::kObject &&
-         log_odds_of_tree(r.log_odds, r.num_observations, config) < kSurelyNone;
+         log_odds_of_tree(r.log_odds, r.num_observations, config) < tuning::kSurelyNone;
 }
 
 /// Whether a landmark is part of a clump whose extent it overlaps: two objects cannot stand in one
@@ -79,9 +77,9 @@ std::int32_t touching_clump(const LandmarkTable& landmarks, std::int32_t index,
   const bool is_none = is_surely_no_tree(r, config);
   const double radius_m = extent_radius_m(r);
   std::int32_t best = -1;
-  double best_gap_m = kTouch_m;
+  double best_gap_m = tuning::kTouch_m;
   landmarks.near(
-      r.association_position(), radius_m + kTouch_m + 0.5 * config.object_width_max_m,
+      r.association_position(), radius_m + tuning::kTouch_m + 0.5 * config.object_width_max_m,
       [&](std::int32_t i, const LandmarkRecord& other) {
         if (i == index) return;
         const double other_m = extent_radius_m(other);
@@ -103,9 +101,9 @@ std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candi
                           const MapperConfig& config) {
   if (looks_like_a_tree(*candidate.detection)) return -1;
   std::int32_t best = -1;
-  double best_gap_m = kTouch_m;
+  double best_gap_m = tuning::kTouch_m;
   const double half_m = 0.5 * candidate.detection->width_m;
-  landmarks.near(candidate.p_aligned, 0.5 * config.object_width_max_m + kTouch_m + half_m,
+  landmarks.near(candidate.p_aligned, 0.5 * config.object_width_max_m + tuning::kTouch_m + half_m,
                  [&](std::int32_t i, const LandmarkRecord& r) {
                    if (!r.is_clump) return;
                    const double gap_m = (r.association_position() - candidate.p_aligned).norm() -
@@ -120,10 +118,8 @@ std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candi
 
 namespace {
 
-/// Minimum number of observations for a scatter.
+/// derived: Minimum number of observations for a scatter.
 constexpr int kObservationsMin = 10;
-/// Quantile of the scatter of the trees of rows: one in twenty may have suckers or lean.
-constexpr double kOfTrees = 0.95;
 
 /// Standard deviation of single observations about their mean, per axis [m].
 double scatter_m(const Landmark& l) {
@@ -141,7 +137,7 @@ StemScatterTest::StemScatterTest(const std::vector<Landmark>& landmarks) {
   for (const Landmark& l : landmarks) {
     if (l.row > 0 && tells(l)) of_rows_m.push_back(scatter_m(l));
   }
-  scatter_max_m_ = geometry::quantile(std::move(of_rows_m), kOfTrees);
+  scatter_max_m_ = geometry::quantile(std::move(of_rows_m), tuning::kOfTrees);
 }
 
 bool StemScatterTest::contains(const Landmark& landmark) const {
@@ -153,11 +149,11 @@ namespace {
 using Eigen::Vector2d;
 using Group = std::vector<std::size_t>;  ///< indices of landmarks
 
-/// Borders closer than this touch [m]: the width of a position that GroundOccupancy tests.
+/// derived: Borders closer than this touch [m]: the width of a position that GroundOccupancy tests.
 constexpr double kHedgeTouch_m = 0.2;
-/// Leaves and bark lie this far beyond a border [m].
+/// derived: Leaves and bark lie this far beyond a border [m].
 constexpr double kRoughSide_m = 0.05;
-/// Max number of landmarks used as end points of lines through a group.
+/// derived: Max number of landmarks used as end points of lines through a group.
 constexpr std::size_t kEndsMax = 40;
 
 Vector2d at(const Landmark& l) { return {l.x_m, l.y_m}; }

@@ -18,9 +18,6 @@ namespace orchard::mapping {
 /// hedge or wall the area swept by that circle along its length. Empty without a width.
 std::vector<Eigen::Vector2d> outline_of(const Landmark& landmark);
 
-/// Max gap between touching borders [m]: scanners do not see through it, and nobody passes.
-inline constexpr double kTouch_m = 0.15;
-
 /// Extent of a landmark from its position [m]: half its width; for a clump (a bush, whose leaves
 /// are hit differently by each scan) at least the extent of its observations.
 double extent_radius_m(const LandmarkRecord& record);

@@ -8,7 +8,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// With 16 bytes a point, 45 a way and 20 a long object, a full part stays below 60 kB.
+/// derived: With 16 bytes a point, 45 a way and 20 a long object, a full part stays below 60 kB.
 constexpr std::size_t kPoints = 2500, kWays = 200, kLongObjects = 400;
 
 /// At most `num_max` points of a line, the first and last among them.

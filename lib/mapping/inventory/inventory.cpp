@@ -38,6 +38,7 @@ GrowthByRow growth_by_row(const std::vector<Landmark>& earlier, const std::vecto
 
 namespace {
 
+/// derived: probabilities as they are reported.
 constexpr double kSure = 0.95, kLikely = 0.8;
 constexpr int kClassesMax = 40;
 

@@ -74,6 +74,7 @@ PlannedRowFacts row_facts(const PlannedRow& row) {
 }
 
 double typical_alley_m(const OrchardPlan& plan) {
+  // derived: no orchard is planted wider; a sample of positions gives the median.
   constexpr double kWidestAlley_m = 30.0;
   constexpr std::size_t kNumAsked = 2000;
   const std::vector<PlanIndex> indices = plan_indices(plan);
@@ -98,8 +99,8 @@ double typical_alley_m(const OrchardPlan& plan) {
 
 namespace {
 
-constexpr double kOnePlace_m = 0.1;         ///< min distance of planted trees
-constexpr std::size_t kNumProblemsMax = 8;  ///< max number of reported problems
+constexpr double kOnePlace_m = 0.1;         ///< derived: half of the closest planting
+constexpr std::size_t kNumProblemsMax = 8;  ///< derived: max number of reported problems
 
 Vector2d main_direction(const std::vector<PlannedTree>& trees) {
   Vector2d mean(0.0, 0.0);
@@ -255,6 +256,7 @@ BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees) {
 }
 
 BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m) {
+  // derived: bounds the memory when the spacing is nearly 0.
   constexpr std::size_t kNumTreesMax = 2000000;
   BuiltPlan built;
   std::set<std::string> names;

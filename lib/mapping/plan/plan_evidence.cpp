@@ -8,8 +8,10 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr double kRare = 0.05;      ///< fraction of missing planned trees and of extra mapped trees
-constexpr double kStrayPair = 0.1;  ///< fraction of pairs with a tree anywhere within the gate
+/// derived: fraction of missing planned trees and of extra mapped trees, as kChangedFraction.
+constexpr double kRare = 0.05;
+/// derived: fraction of pairs with a tree anywhere within the gate: missing ones and extra ones.
+constexpr double kStrayPair = 2.0 * kRare;
 
 }  // namespace
 

@@ -61,8 +61,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kShiftedPrior = 3.9;   ///< log odds: one row in fifty is planted elsewhere
-constexpr double kFarthestShift = 1.2;  ///< max shift along the row, in spacings
+constexpr double kShiftedPrior = 3.9;  ///< derived: log odds: one row in fifty is planted elsewhere
+constexpr double kFarthestShift = 1.2;  ///< derived: in spacings; farther is the next tree
+/// derived: bounds the cost of a row of thousands of trees.
 constexpr std::size_t kNumTriedMax = 400;
 
 Vector2d aside_of(const Vector2d& along) { return {-along.y(), along.x()}; }
@@ -170,11 +171,12 @@ RowShift shift_of_row(const RegisteredRow& row, double spacing_m, const PlanNois
 
 namespace {
 
-constexpr double kPairReach = 0.45;      ///< of the spacing; excludes neighbouring positions
-constexpr double kSeenConfidence = 0.8;  ///< same as for missing trees of two maps
+constexpr double kPairReach = 0.45;  ///< derived: of the spacing; excludes neighbouring positions
+constexpr double kSeenConfidence = 0.8;  ///< derived: same as for missing trees of two maps
+/// derived: one tree in 3,000 by chance (exp(-8)).
 constexpr double kOutOfPlaceSigmas = 4.0;
-constexpr int kNeighbourRows = 3;   ///< on each side; they share the map's deformation
-constexpr int kNeighbourTrees = 5;  ///< along a row, on each side; likewise
+constexpr int kNeighbourRows = 3;   ///< derived: on each side; they share the map's deformation
+constexpr int kNeighbourTrees = 5;  ///< derived: along a row, on each side; likewise
 
 Vector2d left_of(const Vector2d& along) { return {-along.y(), along.x()}; }
 
@@ -394,7 +396,8 @@ class PlanMatcher {
     }
   }
 
-  /// Median length of a vector with normal components, relative to what robust_sd() returns for it.
+  /// derived: Median length of a vector with normal components, relative to what robust_sd()
+  /// returns for it.
   static constexpr double kRayleigh = 1.1774 * geometry::kMadToSd;
 
   const OrchardPlan& plan_;

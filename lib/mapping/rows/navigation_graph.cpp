@@ -50,8 +50,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBeside_m = 0.1;  ///< distance between neighbouring candidate lines
-constexpr int kTurnMax = 2;        ///< max change of the offset index between stations
+constexpr double kBeside_m = 0.1;  ///< derived: of candidate lines, under a third of a corridor
+constexpr int kTurnMax = 2;        ///< derived: offsets from one station to the next: 22 degrees
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Clearance at each station and lateral offset of a guide.
@@ -247,9 +247,10 @@ std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obsta
 
 namespace {
 
-constexpr double kWayStep_m = 0.5;     ///< max distance between points of an edge
-constexpr double kWidestAlley = 2.5;   ///< times the median distance of rows
-constexpr double kSideReach_m = 15.0;  ///< max distance of neighbouring rows
+constexpr double kWayStep_m = 0.5;  ///< derived: of an edge's points: shorter than any vehicle
+constexpr double kWidestAlley =
+    2.5;  ///< derived: times the median distance: one row may be missing
+constexpr double kSideReach_m = 15.0;  ///< derived: twice the alley of a wide planting
 
 Line line_of(const Row& row) {
   Line line;
@@ -259,6 +260,7 @@ Line line_of(const Row& row) {
 
 /// A line with boxes around runs of its segments, so that a search passes over what is far away.
 struct BoxedLine {
+  /// derived: boxes of 8 m between trees.
   static constexpr std::size_t kRun_segments = 16;
 
   explicit BoxedLine(const Line& points) : line(points) {
@@ -278,6 +280,7 @@ struct BoxedLine {
 /// at most `reach_m`.
 std::optional<double> right_distance_m(const LinePoint& at, const BoxedLine& boxed,
                                        double reach_m) {
+  // derived: above the rounding of coordinates of kilometres.
   constexpr double kRounding_m = 1e-6;
   const Line& line = boxed.line;
   const auto is_far = [&](const Eigen::AlignedBox2d& box) {
@@ -304,6 +307,7 @@ std::optional<double> right_distance_m(const LinePoint& at, const BoxedLine& box
 /// The row that is the nearest to the right of row r at most of its sample points; -1 for none.
 int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
                     const std::vector<BoxedLine>& lines, std::size_t r) {
+  // derived: an odd number of votes.
   constexpr std::size_t kSamples = 9;
   std::map<int, int> votes;
   for (std::size_t k = 0; k < kSamples; ++k) {

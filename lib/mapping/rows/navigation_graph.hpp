@@ -32,7 +32,7 @@ double length_m(const Line& line);
 /// zero length.
 std::vector<LinePoint> sample_line(const Line& line, double step_m);
 
-/// Minimum half width of a corridor [m]; vehicles need more.
+/// derived: Minimum half width of a corridor [m]; vehicles need more.
 inline constexpr double kHalfCorridorMin_m = 0.35;
 
 /// Whether a position in map was observed free or driven over. If empty, only the landmarks limit a

@@ -13,14 +13,13 @@
 #include "geometry/angles.hpp"
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Trees closer than this are in the same slot.
-constexpr double kOnePlace_spacings = 0.3;
 /// Tree spacing along the rows [m] in the presence of clutter. Stems, bushes and hedges only reduce
 /// nearest-neighbour distances, so the upper quartile is used.
 double spacing_amid_clutter_m(const geometry::IndexedPoints& points) {
@@ -53,8 +52,8 @@ std::vector<std::size_t> seed_trees(const std::vector<Vector2d>& p_map,
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (strengths[i] >= 1.0) strong.push_back(p_map[i]);
   }
-  const double reach_m =
-      kOnePlace_spacings * spacing_amid_clutter_m(geometry::IndexedPoints(std::move(strong)));
+  const double reach_m = tuning::kOnePlace_spacings *
+                         spacing_amid_clutter_m(geometry::IndexedPoints(std::move(strong)));
   const geometry::IndexedPoints all(p_map);
   std::vector<std::size_t> by_strength(p_map.size());
   std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});
@@ -78,12 +77,12 @@ std::vector<std::size_t> seed_trees(const std::vector<Vector2d>& p_map,
 
 namespace {
 
-constexpr int kNumAngles = 60;  ///< over half a turn
+constexpr int kNumAngles = 60;  ///< derived: over half a turn
 constexpr double kAngleStep_rad = geometry::kPi / kNumAngles;
-constexpr double kReach_spacings = 4.5;
-/// Lateral tolerance of a line, in spacings: the displacement of the line at its reach by half an
-/// angle step.
+/// derived: Lateral tolerance of a line, in spacings: the displacement of the line at its reach by
+/// half an angle step.
 constexpr double kBeside_spacings = 0.1;
+/// derived: beliefs spread over as many neighbourhoods, which is a row of 50 trees.
 constexpr int kTracingRounds = 12;
 
 using Votes = std::array<float, kNumAngles>;
@@ -238,7 +237,7 @@ RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   }
   result.spacing_m = std::max(0.05, geometry::median(nearest_m));
 
-  const double reach_m = kReach_spacings * result.spacing_m;
+  const double reach_m = tuning::kReach_spacings * result.spacing_m;
   std::vector<Neighbours> neighbours(p_map.size());
   std::vector<Votes> belief(p_map.size());
   for (std::size_t i = 0; i < p_map.size(); ++i) {

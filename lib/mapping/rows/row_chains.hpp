@@ -33,9 +33,6 @@ struct RowDirections {
 /// Points in map [m]; fewer than three give empty directions.
 RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map);
 
-/// Maximum turn of a row between two trees (cosine of 30 degrees).
-inline constexpr double kTurnMax_cos = 0.866;
-
 /// Indices of the trees of one row, in order along its direction.
 using RowChain = std::vector<std::int32_t>;
 

@@ -11,6 +11,7 @@
 
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -118,13 +119,6 @@ void order_from_left(const std::vector<Vector2d>& p_map, const RowDirections& ro
 
 namespace {
 
-/// Steps on either side that determine the local spacing.
-constexpr std::size_t kSpacingWindow = 15;
-/// Trees at the start of a row that are compared with the neighbouring row.
-constexpr std::size_t kNumCompared = 4;
-/// Rows on either side that determine where a row should start.
-constexpr int kRowsAround = 8;
-
 /// Median of the single steps. Gaps only make steps longer, so a step from the lower third is
 /// single unless two thirds of the slots are empty.
 double single_step_m(std::vector<double> steps_m) {
@@ -139,8 +133,8 @@ double single_step_m(std::vector<double> steps_m) {
 
 /// Spacing around step k.
 double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
-  const std::size_t first = k > kSpacingWindow ? k - kSpacingWindow : 0;
-  const std::size_t last = std::min(steps_m.size(), k + kSpacingWindow + 1);
+  const std::size_t first = k > tuning::kSpacingWindow ? k - tuning::kSpacingWindow : 0;
+  const std::size_t last = std::min(steps_m.size(), k + tuning::kSpacingWindow + 1);
   return single_step_m({steps_m.begin() + static_cast<std::ptrdiff_t>(first),
                         steps_m.begin() + static_cast<std::ptrdiff_t>(last)});
 }
@@ -196,7 +190,7 @@ std::optional<double> later_start(const std::vector<Vector2d>& p_map, const RowC
                                   const std::vector<int>& places_q, const RowChain& r,
                                   const std::vector<int>& places_r) {
   std::vector<double> offsets;
-  for (std::size_t i = 0; i < std::min(kNumCompared, r.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(tuning::kNumCompared, r.size()); ++i) {
     const auto place = place_beside(p_map[static_cast<std::size_t>(r[i])], tangent(p_map, r, i),
                                     p_map, q, places_q);
     if (place) offsets.push_back(*place - places_r[i]);
@@ -223,21 +217,20 @@ int places_late(double start, const Headland& line, int r) {
 /// tree is missing with probability 0.1, starts scatter by a fifth of a slot, and most headlands
 /// are perpendicular to the rows.
 double cost_of(const Headland& line, const std::vector<double>& starts, int first, int last) {
-  constexpr double kCostMissing = 2.3, kCostMax = 7.0, kScatter = 0.2, kCostSlope = 6.0;
-  double cost = std::abs(line.slope) > 0.05 ? kCostSlope : 0.0;
+  double cost = std::abs(line.slope) > 0.05 ? tuning::kCostSlope : 0.0;
   for (int r = first; r <= last; ++r) {
     const double start = starts[static_cast<std::size_t>(r)];
     const int late = places_late(start, line, r);
-    const double off = (start - line.at(r) - late) / kScatter;
-    cost += std::min(kCostMax, kCostMissing * late + 0.5 * off * off);
+    const double off = (start - line.at(r) - late) / tuning::kScatter;
+    cost += std::min(tuning::kCostMax, tuning::kCostMissing * late + 0.5 * off * off);
   }
   return cost;
 }
 
 /// Number of empty slots at the start of a row, estimated from the rows around it.
 int num_empty_before(const std::vector<double>& starts, int r) {
-  const int first = std::max(0, r - kRowsAround);
-  const int last = std::min(static_cast<int>(starts.size()) - 1, r + kRowsAround);
+  const int first = std::max(0, r - tuning::kRowsAround);
+  const int last = std::min(static_cast<int>(starts.size()) - 1, r + tuning::kRowsAround);
   const auto start = [&](int k) { return starts[static_cast<std::size_t>(k)]; };
   Headland best{start(r), 0.0, r};
   double least = cost_of(best, starts, first, last);

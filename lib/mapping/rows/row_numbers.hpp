@@ -30,6 +30,7 @@ std::vector<std::vector<int>> slot_indices(const std::vector<Eigen::Vector2d>& p
 /// outside may hold any numbers.
 std::vector<Row> numbered_rows(const std::vector<Landmark>& landmarks);
 
+/// derived: a row of 100 km; bounds the memory of a map from outside.
 inline constexpr int kSlotsMax = 100'000;
 
 /// Numbers trees that were added to a numbered map, those without a row for which `is_added` is

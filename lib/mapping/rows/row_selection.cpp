@@ -9,19 +9,18 @@
 #include <optional>
 
 #include "geometry/statistics.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Max number of rows in a map that are none, expected from objects at any position.
+/// derived: Max number of rows in a map that are none, expected from objects at any position.
 constexpr double kFalseRowsMax = 0.01;
-/// Min probability of a row against a hedge.
+/// derived: Min probability of a row against a hedge: one in ten may be wrong.
 constexpr double kSure = 0.9;
 constexpr int kPriorRounds = 10;
-/// Minimum distance of a row from a more certain one, as a fraction of the rows' distance.
-constexpr double kNearest_pitches = 0.6;
 
 const Vector2d& at(const std::vector<Vector2d>& p_map, std::int32_t i) {
   return p_map[static_cast<std::size_t>(i)];
@@ -31,6 +30,7 @@ const Vector2d& at(const std::vector<Vector2d>& p_map, std::int32_t i) {
 /// none for fewer than two.
 std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
                                const RowChain& other) {
+  // derived: boxes of 30 m, and above the rounding of coordinates of kilometres.
   constexpr std::size_t kRun_segments = 16;
   constexpr double kRounding_m = 1e-6;
   std::vector<Eigen::AlignedBox2d> runs;  // boxes around them: a search passes over what is far
@@ -114,7 +114,7 @@ class ChainNeighbours {
   }
 
  private:
-  /// Boxes are in a turned frame, so that distances differ by rounding.
+  /// derived: Boxes are in a turned frame, so that distances differ by rounding.
   static constexpr double kRounding_m = 1e-6;
 
   std::vector<Eigen::AlignedBox2d> boxes_;  ///< per chain: along and across the direction (m)
@@ -152,7 +152,7 @@ void drop_crowded_tracks(const std::vector<Vector2d>& p_map, std::vector<RowTrac
     log_odds.push_back(track.log_odds);
   }
   const ChainNeighbours neighbours(p_map, chains);
-  const double nearest_m = kNearest_pitches * pitch_m(p_map, chains, neighbours, log_odds);
+  const double nearest_m = tuning::kNearest_pitches * pitch_m(p_map, chains, neighbours, log_odds);
   std::vector<std::size_t> by_odds(chains.size());
   std::iota(by_odds.begin(), by_odds.end(), std::size_t{0});
   std::stable_sort(by_odds.begin(), by_odds.end(),

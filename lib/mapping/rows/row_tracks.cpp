@@ -12,15 +12,14 @@
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/rows/rows.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Distance within which links determine the direction and the spacing at a point, in spacings.
-constexpr double kLinkReach_spacings = 4.5;
-/// Rounds of reweighting.
+/// derived: rounds of reweighting: it converges in three.
 constexpr int kFitRounds = 4;
 
 struct Link {
@@ -116,7 +115,7 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
     const double spacings = link.length_m / spacing_m;
     link.weight = spacings < 1.0 ? geometry::square(spacings) : 1.0 / spacings;
   }
-  const double reach_m = kLinkReach_spacings * spacing_m;
+  const double reach_m = tuning::kLinkReach_spacings * spacing_m;
   Vector2d overall(0.0, 0.0);
   for (const Link& link : links) {
     overall += link.length_m * Vector2d(std::cos(link.angle_rad), std::sin(link.angle_rad));
@@ -149,7 +148,7 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
     LocalRows here{{std::cos(angle_rad), std::sin(angle_rad)}, spacing_m};
     std::vector<double> aligned_m;
     for (const std::int32_t k : near) {
-      if (std::cos(links[index_of(k)].angle_rad - angle_rad) < kTurnMax_cos) continue;
+      if (std::cos(links[index_of(k)].angle_rad - angle_rad) < tuning::kTurnMax_cos) continue;
       aligned_m.push_back(links[index_of(k)].length_m);
     }
     if (!aligned_m.empty()) here.spacing_m = spacing_of(std::move(aligned_m));
@@ -200,12 +199,10 @@ RowRegularity row_regularity(const std::vector<Vector2d>& p_map,
 
 namespace {
 
-/// Objects within this distance tell how densely they stand, in spacings: no neighbour in the row.
-constexpr double kAround_spacings = 0.75;
-/// Lower limit of the spread of planted trees [m].
+/// derived: Lower limit of the spread of planted trees [m]: of a planting machine.
 constexpr double kStraightest_m = 0.01;
 
-/// Of an exponential distribution 95 % are within this many means.
+/// derived: Of an exponential distribution 95 % are within this many means.
 constexpr double kInLine_means = 3.0;
 
 constexpr std::int32_t kNoTree = -1;
@@ -275,11 +272,11 @@ class Tracker {
   /// Objects outside rows around each tree, per spacing squared, the tree itself not included: the
   /// number near it, and the map's mean as if one more were known from there.
   void count_clutter(const std::vector<char>& is_in_row) {
-    const double area = geometry::kPi * geometry::square(kAround_spacings);
+    const double area = geometry::kPi * geometry::square(tuning::kAround_spacings);
     std::vector<int> num_near(p_map_.size(), 0);
     double sum = 1.0;
     for (std::size_t i = 0; i < p_map_.size(); ++i) {
-      const double reach_m = kAround_spacings * local_[i].spacing_m;
+      const double reach_m = tuning::kAround_spacings * local_[i].spacing_m;
       points_.near(p_map_[i], reach_m, [&](std::int32_t j) {
         if (is_in_row[index_of(j)] || index_of(j) == i) return;
         num_near[i] += (p_map_[index_of(j)] - p_map_[i]).norm() < reach_m;
@@ -296,6 +293,7 @@ class Tracker {
   /// (logarithm).
   void compare_confidences(const std::vector<double>& strengths,
                            const std::vector<char>& is_in_row) {
+    // derived: quartiles.
     constexpr std::size_t kNumBins = 4;
     std::array<double, kNumBins - 1> limits;
     for (std::size_t b = 0; b < limits.size(); ++b) {
@@ -381,8 +379,8 @@ class Tracker {
       if (from == to) return;
       const Vector2d d = p_map_[index_of(to)] - p_map_[index_of(from)];
       const Vector2d &u = local_[index_of(from)].direction, &v = local_[index_of(to)].direction;
-      const double straight_m = kTurnMax_cos * d.norm();
-      if (v.dot(d) < straight_m || u.dot(d) < straight_m || u.dot(v) < kTurnMax_cos) return;
+      const double straight_m = tuning::kTurnMax_cos * d.norm();
+      if (v.dot(d) < straight_m || u.dot(d) < straight_m || u.dot(v) < tuning::kTurnMax_cos) return;
       const RowStep step = row_step(p_map_, local_, from, to);
       if (step.num_slots < 1 || step.num_slots > kGapMax_slots) return;
       const double log_odds =

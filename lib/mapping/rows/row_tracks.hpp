@@ -49,7 +49,7 @@ struct RowStep {
 RowStep row_step(const std::vector<Eigen::Vector2d>& p_map, const std::vector<LocalRows>& local,
                  std::int32_t from, std::int32_t to);
 
-/// Minimum number of trees of a row: two are always in line.
+/// derived: Minimum number of trees of a row: two are always in line.
 inline constexpr std::size_t kRowTreesMin = 3;
 
 /// A chain of trees with the evidence that it was planted.

@@ -11,17 +11,15 @@
 #include "mapping/rows/row_numbers.hpp"
 #include "mapping/rows/row_selection.hpp"
 #include "mapping/rows/row_tracks.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// How often the regularity of the rows is learnt from the rows that were found with it.
+/// derived: How often the regularity of the rows is learnt from the rows that were found with it.
 constexpr int kLearningRounds = 3;
 
 using Eigen::Vector2d;
-
-/// Chains at a larger angle to the rows (cosine of 60 degrees) are hedges or headlands.
-constexpr double kAcross_cos = 0.5;
 
 /// The trees sorted by position, so that the result does not depend on the order of the landmarks.
 std::vector<const Landmark*> trees_of(const std::vector<Landmark>& landmarks) {
@@ -96,7 +94,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   const auto runs_across = [&](const RowChain& chain) {
     const Vector2d chord =
         lines.p_map[index_of(chain.back())] - lines.p_map[index_of(chain.front())];
-    return chord.dot(forward) < kAcross_cos * chord.norm();
+    return chord.dot(forward) < tuning::kAcross_cos * chord.norm();
   };
   std::vector<LocalRows> of_seeds;
   for (std::size_t i = 0; i < seeds.size(); ++i) {

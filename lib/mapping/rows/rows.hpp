@@ -55,7 +55,7 @@ struct Row {
   std::vector<RowSlot> places;  ///< in order of position; the first and last are occupied
 };
 
-/// Gaps of more slots end a row: beyond, nothing tells that both parts are one.
+/// derived: Gaps of more slots end a row: beyond, nothing tells that both parts are one.
 inline constexpr int kGapMax_slots = 8;
 
 /// Finds the rows of a map, straight or curved, and numbers rows and slots.

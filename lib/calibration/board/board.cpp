@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "calibration/tuning.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::calibration {
@@ -74,10 +75,9 @@ std::optional<GreyPicture> grey_of(const vision::Image& image) {
 
 namespace {
 
+// derived: two more than the four that determine a homography.
 /// Min number of corners of a ChArUco board; fewer do not determine its pose well.
 constexpr std::size_t kMinCharucoCorners = 6;
-/// Images up to this width are also searched at twice their size [px].
-constexpr int kSmall_px = 800;
 
 double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
   return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
@@ -164,7 +164,7 @@ void halve(std::vector<cv::Point2f>& corners) {
 /// Finds a complete grid, not yet refined.
 bool find_grid(const cv::Mat& grey, cv::Size size, std::vector<cv::Point2f>& corners) {
   if (cv::findChessboardCornersSB(grey, size, corners)) return true;
-  if (grey.cols > kSmall_px || !cv::findChessboardCornersSB(doubled(grey), size, corners)) {
+  if (grey.cols > tuning::kSmall_px || !cv::findChessboardCornersSB(doubled(grey), size, corners)) {
     return false;
   }
   halve(corners);
@@ -200,7 +200,7 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
                                       static_cast<float>(board.marker_m), dictionary);
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<int> ids;
-  const bool is_small = grey.cols <= kSmall_px;
+  const bool is_small = grey.cols <= tuning::kSmall_px;
   cv::aruco::detectMarkers(is_small ? doubled(grey) : grey, dictionary, markers, ids);
   if (is_small) {
     for (auto& marker : markers) halve(marker);

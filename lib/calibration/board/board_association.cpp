@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "calibration/tuning.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
 
@@ -223,6 +224,7 @@ class LineFinder {
   LineEnd end_at(const Beam& last, int step) const {
     LineEnd end;
     const auto size = static_cast<std::ptrdiff_t>(scan_.ranges_m.size());
+    // physical: a laser spot covers at most two beam steps.
     constexpr std::ptrdiff_t kMixed = 2;  // max number of mixed pixels
     for (std::ptrdiff_t k = 1; k <= kMixed + 1; ++k) {
       const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(last.index) + k * step;
@@ -263,22 +265,13 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kGrid_rad = 0.21;          ///< 12 degrees
-constexpr double kDirectionGate = 0.25;     ///< limit of n . R l on the grid
-constexpr int kMaxStarts = 60;              ///< number of rotations to refine
-constexpr double kWideGate_m = 0.30;        ///< initial gate of a line's distance from the board
-constexpr double kGate_m = 0.04;            ///< final gate
-constexpr double kMinRivalGate_m = 0.01;    ///< lower limit of the gate for rivals
-constexpr double kOutsideBoard_m = 0.06;    ///< max distance of a line's middle outside the board
-constexpr double kSameRotation_rad = 0.17;  ///< mounts closer than this are the same
-constexpr double kSameShift_m = 0.10;
-
 Eigen::Vector3d in_space(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
 std::vector<Eigen::Matrix3d> all_rotations() {
   std::vector<Eigen::Matrix3d> rotations;
-  const int num_axes = static_cast<int>(4.0 * geometry::kPi / (kGrid_rad * kGrid_rad));
-  const int num_turns = static_cast<int>(2.0 * geometry::kPi / kGrid_rad) + 1;
+  const int num_axes =
+      static_cast<int>(4.0 * geometry::kPi / (tuning::kGrid_rad * tuning::kGrid_rad));
+  const int num_turns = static_cast<int>(2.0 * geometry::kPi / tuning::kGrid_rad) + 1;
   const double golden = geometry::kPi * (3.0 - std::sqrt(5.0));
   for (int i = 0; i < num_axes; ++i) {  // Fibonacci sphere
     const double z = 1.0 - (2.0 * i + 1.0) / num_axes;
@@ -319,7 +312,7 @@ class Matcher {
       double least = 1.0;
       const Eigen::Vector3d n_laser = R.transpose() * planes_[i].normal;
       for (const BoardLine& line : views_[i].lines) {
-        const double off = n_laser.head<2>().dot(line.direction) / kDirectionGate;
+        const double off = n_laser.head<2>().dot(line.direction) / tuning::kDirectionGate;
         least = std::min(least, off * off);
       }
       cost += least;
@@ -330,11 +323,11 @@ class Matcher {
   RigidExtrinsics refine(const Eigen::Matrix3d& start) const {
     RigidExtrinsics mount;
     mount.R_camera_laser = start;
-    double gate_m = kWideGate_m;
+    double gate_m = tuning::kWideGate_m;
     for (int round = 0; round < 4; ++round) mount = step(mount, 1e3, true);
     for (int round = 0; round < 24; ++round) {
       mount = step(mount, gate_m, false);
-      gate_m = std::max(kGate_m, 0.85 * gate_m);
+      gate_m = std::max(tuning::kGate_m, 0.85 * gate_m);
     }
     return mount;
   }
@@ -359,9 +352,10 @@ class Matcher {
     const Eigen::Vector3d p =
         board.R_camera_board.transpose() *
         (mount.R_camera_laser * in_space(line.middle_m) + mount.delta_m - board.t_camera_board_m);
-    return p.x() > outline_.x_min_m - kOutsideBoard_m &&
-           p.x() < outline_.x_max_m + kOutsideBoard_m &&
-           p.y() > outline_.y_min_m - kOutsideBoard_m && p.y() < outline_.y_max_m + kOutsideBoard_m;
+    return p.x() > outline_.x_min_m - tuning::kOutsideBoard_m &&
+           p.x() < outline_.x_max_m + tuning::kOutsideBoard_m &&
+           p.y() > outline_.y_min_m - tuning::kOutsideBoard_m &&
+           p.y() < outline_.y_max_m + tuning::kOutsideBoard_m;
   }
 
   /// Fills `out` with the lines within `gate_m` and returns the cost; 1 per view without a line.
@@ -445,8 +439,8 @@ class Matcher {
 };
 
 bool same_mount(const RigidExtrinsics& a, const RigidExtrinsics& b) {
-  return angle_between(a.R_camera_laser, b.R_camera_laser) < kSameRotation_rad &&
-         (a.delta_m - b.delta_m).norm() < kSameShift_m;
+  return angle_between(a.R_camera_laser, b.R_camera_laser) < tuning::kSameRotation_rad &&
+         (a.delta_m - b.delta_m).norm() < tuning::kSameShift_m;
 }
 
 }  // namespace
@@ -469,14 +463,14 @@ Association associate_board_lines(const std::vector<ExtrinsicsView>& views,
   double best_cost = 1e18;
   std::vector<RigidExtrinsics> all;
   for (const Start& start : starts) {
-    if (static_cast<int>(tried.size()) >= kMaxStarts) break;
+    if (static_cast<int>(tried.size()) >= tuning::kMaxStarts) break;
     const bool near = std::any_of(tried.begin(), tried.end(), [&](const Eigen::Matrix3d& R) {
-      return angle_between(R, start.R) < 0.9 * kGrid_rad;
+      return angle_between(R, start.R) < 0.9 * tuning::kGrid_rad;
     });
     if (near) continue;
     tried.push_back(start.R);
     Association found;
-    const double cost = matcher.judge(matcher.refine(start.R), kGate_m, found);
+    const double cost = matcher.judge(matcher.refine(start.R), tuning::kGate_m, found);
     all.push_back(found.mount);
     if (cost < best_cost) {
       best_cost = cost;
@@ -485,9 +479,10 @@ Association associate_board_lines(const std::vector<ExtrinsicsView>& views,
   }
   // A rival explains the views equally well only if its lines are as close to the boards.
   const double num_missing = static_cast<double>(views.size()) - best.num_fitting;
-  const double best_rms_m =
-      kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) / std::max(1, best.num_fitting));
-  const double rival_gate_m = std::clamp(3.0 * best_rms_m, kMinRivalGate_m, kGate_m);
+  const double best_rms_m = tuning::kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) /
+                                                        std::max(1, best.num_fitting));
+  const double rival_gate_m =
+      std::clamp(3.0 * best_rms_m, tuning::kMinRivalGate_m, tuning::kGate_m);
   for (const RigidExtrinsics& mount : all) {
     if (same_mount(mount, best.mount)) continue;
     Association rival;

@@ -16,6 +16,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+// derived: four standard deviations of chi2 with one degree of freedom.
 constexpr double kClearlyWorse = 16.0;  ///< min increase of chi2 for a pose to be clearly worse
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {

@@ -59,6 +59,7 @@ struct CameraCalibration {
   std::vector<CornerResidual> residuals;  ///< of the used views
 };
 
+// derived: Zhang's method has five unknowns, two equations for each view.
 /// Min number of views for a calibration.
 inline constexpr std::size_t kMinViews = 3;
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 
+#include "calibration/tuning.hpp"
 #include "geometry/angles.hpp"
 
 namespace orchard::calibration {
@@ -18,8 +19,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kHuber = 2.5;        ///< beams beyond this many sigmas are down-weighted
-constexpr double kEdgeGate_m = 0.05;  ///< max distance of a line end from an edge of the board
+// derived: 6 degrees from grazing; numbers of unknowns.
 constexpr double kMinIncidence =
     0.1;                       ///< cosine; lower limit that keeps a grazing beam's noise above 0
 constexpr int kMountSize = 6;  ///< delta, rotation
@@ -139,6 +139,7 @@ class Adjustment {
 
   std::optional<ExtrinsicsAdjustment> run(const RigidExtrinsics& start) {
     out_.mount = start;
+    // derived: budget of the variance components.
     constexpr int kRounds = 8;
     for (int round = 0; round < kRounds; ++round) {
       const double beam_before = out_.beam_factor, scan_before = out_.scan_factor;
@@ -209,7 +210,7 @@ class Adjustment {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<BeamOnBoard, 1, kMountSize, kViewSize, 1>(new BeamOnBoard{
               g, range_m, smooth_range_m(view.line, k), bearing, std::max(1e-5, sd_m)}),
-          new ceres::HuberLoss(kHuber), mount, unknowns, scale);
+          new ceres::HuberLoss(tuning::kHuber), mount, unknowns, scale);
       groups.push_back(Group::kBeam);
     }
     if (outline_) {
@@ -250,7 +251,7 @@ class Adjustment {
         nearest = k;
       }
     }
-    if (off_m > kEdgeGate_m) return;
+    if (off_m > tuning::kEdgeGate_m) return;
     const int axis = nearest / 2;
     // Uniform between the last beam on the board and the first beyond it.
     const double spread_m = std::abs(on_board(end.bearing_rad + end.half_gap_rad)[axis] -
@@ -259,7 +260,7 @@ class Adjustment {
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EndOnEdge, 1, kMountSize, kViewSize>(
                                  new EndOnEdge{g, bearing_vector(end.bearing_rad), axis,
                                                edges[static_cast<std::size_t>(nearest)], sd_m}),
-                             new ceres::HuberLoss(kHuber), mount, unknowns);
+                             new ceres::HuberLoss(tuning::kHuber), mount, unknowns);
     groups.push_back(Group::kEdge);
   }
 
@@ -369,6 +370,7 @@ std::optional<ExtrinsicsAdjustment> adjust_extrinsics(const std::vector<Adjustme
 
 namespace {
 
+// derived: above the noise of a board's pose.
 constexpr double kDeg = geometry::kPi / 180.0;
 constexpr double kMinSpread = 0.05;  ///< min spread of the normals: 3 degrees
 constexpr double kSameOrientation_rad = 6.0 * kDeg;
@@ -431,8 +433,7 @@ BoardMotion board_motion(const std::vector<BoardPose>& boards) {
 
 std::string degenerate_motion(const BoardMotion& motion) {
   if (motion.out_of_plane >= kMinSpread) return {};
-  constexpr double kHardlyTilted_deg = 16.0;
-  if (motion.out_of_line < kMinSpread || motion.tilt_max_deg < kHardlyTilted_deg) {
+  if (motion.out_of_line < kMinSpread || motion.tilt_max_deg < tuning::kHardlyTilted_deg) {
     if (motion.moved_m < kMoved_m) {
       return "the board never moved, so most of the six unknowns are not determined; hold it in "
              "other places, tilted to all sides";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/camera_delay.hpp"
 
+#include "calibration/tuning.hpp"
+
 #include <fmt/core.h>
 #include <Eigen/Dense>
 #include <algorithm>
@@ -13,14 +15,12 @@
 namespace orchard::calibration {
 namespace {
 
+// derived: delays of cameras (0.3 s) and wrong extrinsics (12 px), in steps below the vote's width.
 constexpr double kRateStep_s = 0.002;  ///< for the numeric derivative of the column
 constexpr double kSearch_s = 0.3;      ///< search range on either side of the present delay
 constexpr double kSearchStep_s = 0.005;
 constexpr double kSearchOffset_px = 12.0;
 constexpr double kSearchOffsetStep_px = 0.5;
-constexpr double kVoteWidth_px = 2.0;
-constexpr double kTukey_px = 3.0;
-constexpr double kAgreeingMin = 0.4;  ///< min inlier fraction; smaller ones occur by chance
 
 struct Line {
   double delay_s = 0.0;
@@ -50,7 +50,7 @@ Line most_agreed(const std::vector<DelayObservation>& observations) {
       const Line line{i * kSearchStep_s, k * kSearchOffsetStep_px};
       double votes = 0.0;
       for (const DelayObservation& observation : observations) {
-        const double u = least_residual(observation, line) / kVoteWidth_px;
+        const double u = least_residual(observation, line) / tuning::kVoteWidth_px;
         if (std::abs(u) < 1.0) votes += (1.0 - u * u) * (1.0 - u * u);
       }
       if (votes > best_votes) {
@@ -63,7 +63,7 @@ Line most_agreed(const std::vector<DelayObservation>& observations) {
 }
 
 double tukey_weight(double residual_px) {
-  const double u = residual_px / kTukey_px;
+  const double u = residual_px / tuning::kTukey_px;
   return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
 }
 
@@ -165,8 +165,8 @@ DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
   std::map<std::int32_t, int> pictures;
   double sum_px2 = 0.0;
   for (const DelayObservation& observation : observations) {
-    const double r = fit ? least_residual(observation, fit->line) : kTukey_px;
-    if (std::abs(r) >= kTukey_px) continue;
+    const double r = fit ? least_residual(observation, fit->line) : tuning::kTukey_px;
+    if (std::abs(r) >= tuning::kTukey_px) continue;
     ++estimate.num_observations;
     ++pictures[observation.picture];
     sum_px2 += r * r;
@@ -178,7 +178,7 @@ DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
         "to one side at one rate; drive in fast and slow curves to both sides",
         estimate.num_all));
   }
-  if (estimate.num_observations >= kAgreeingMin * estimate.num_all &&
+  if (estimate.num_observations >= tuning::kAgreeingMin * estimate.num_all &&
       estimate.num_turning < options.min_turning_observations) {
     throw std::runtime_error(
         fmt::format("of the observations that agree on a delay only {} are in curves ({} are "
@@ -186,11 +186,11 @@ DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
                     "of the yaw rate of ODOMETRY, and that it uses the clock of the laser",
                     estimate.num_turning, options.min_turning_observations));
   }
-  if (estimate.num_observations < kAgreeingMin * estimate.num_all) {
+  if (estimate.num_observations < tuning::kAgreeingMin * estimate.num_all) {
     throw std::runtime_error(fmt::format(
         "only {} of {} observations agree on a delay ({:.0f} % are needed); first check "
         "camera.phi_rad, camera.delta_m and laser.mount_* (orchard calibrate laser-camera)",
-        estimate.num_observations, estimate.num_all, 100.0 * kAgreeingMin));
+        estimate.num_observations, estimate.num_all, 100.0 * tuning::kAgreeingMin));
   }
   estimate.delay_s = fit->line.delay_s;
   estimate.se_s = std::sqrt(fit->covariance(0, 0));

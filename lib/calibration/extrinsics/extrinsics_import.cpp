@@ -61,6 +61,7 @@ Numbers<N> numbers_after(const std::string& text, const std::string& name) {
 
 /// Reads a matrix row by row; throws std::runtime_error if it is not a rotation.
 Eigen::Matrix3d rotation_matrix(const std::string& text) {
+  // derived: twice the rounding of three decimals.
   constexpr double kOff = 1e-3;  // tolerance for numbers with three decimals
   const auto rows = numbers_after<9>(text, "r").numbers;
   const Eigen::Matrix3d R =
@@ -110,6 +111,7 @@ geometry::LaserCameraExtrinsics import_extrinsics(const std::string& text, Laser
     R = R * R_toolbox_ours;
     extrinsics.phi_rad = geometry::paper_angles_rad(R);
   }
+  // derived: the cosine of 60 degrees.
   constexpr double kMinAhead = 0.5;  // 60 degrees
   if (R(2, 0) < kMinAhead) {
     throw std::runtime_error(

@@ -26,8 +26,8 @@ double student_95(double degrees_of_freedom) {
          (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * f * f * f);
 }
 
-/// Max number of times that the lines are chosen again with the board's size found. Each time the
-/// error of the size shrinks by more than half, so four are enough for 1 % of 20 %.
+/// derived: max number of times that the lines are chosen again with the board's size found. Each
+/// time the error of the size shrinks by more than half, so four are enough for 1 % of 20 %.
 constexpr int kSizeRounds = 4;
 
 class Calibration {
@@ -175,6 +175,7 @@ class Calibration {
       if (std::abs(change - 1.0) < adjusted->scale_sd) break;
       association = associate_board_lines(resized(views, size), resized(outline, size));
     }
+    // derived: 3 sigma.
     constexpr double kSure = 3.0;
     if (std::abs(size - 1.0) < std::max(options_.board_scale_max, kSure * sd)) return false;
     out_.board_scale = size;
@@ -287,6 +288,7 @@ LaserCameraCalibration calibrate_laser_camera(const std::vector<ExtrinsicsView>&
 
 namespace {
 
+// derived: half of the 90 degrees between two ways to mount a camera.
 constexpr double kLargest_deg = 45.0;
 constexpr double kOtherSide_m = 0.05;
 

@@ -17,6 +17,7 @@
 namespace orchard::calibration {
 namespace {
 
+// derived: limits of the fit, never reached by data that can be learnt from.
 constexpr int kNumFeatures = static_cast<int>(vision::kNumAppearanceFeatures);
 constexpr int kMinWindows = 10;  // per class
 constexpr int kMaxSteps = 50;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/mask_windows.hpp"
 
+#include "calibration/tuning.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,9 +12,9 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr int kTries = 50;                 // max tries in a row for a window without trunk
-constexpr int kRowsPerWindow = 20;         // max tries for a row with a trunk
-constexpr double kMinTrunkFraction = 0.6;  // min fraction of trunk pixels in a window on a trunk
+// derived: budgets of the sampling.
+constexpr int kTries = 50;          // max tries in a row for a window without trunk
+constexpr int kRowsPerWindow = 20;  // max tries for a row with a trunk
 
 class Uniform {
  public:
@@ -91,7 +93,7 @@ std::optional<vision::PixelRect> window_on(const Run& run, int row, const TrunkM
   }
   const double widest = std::min<double>(window.width_px, run.width_px);
   const double fraction = static_cast<double>(counts.in(window)) / (widest * window.height_px);
-  return fraction >= kMinTrunkFraction ? std::optional(window) : std::nullopt;
+  return fraction >= tuning::kMinTrunkFraction ? std::optional(window) : std::nullopt;
 }
 
 std::optional<vision::PixelRect> window_elsewhere(vision::PixelRect window, const TrunkMask& mask,

@@ -17,6 +17,7 @@
 namespace orchard::calibration {
 namespace {
 
+// derived: budget; Newton's method doubles the digits with each step.
 constexpr int kNewtonSteps = 60;
 
 /// Probabilities of outcomes 0 and 1; returns the log of the sum of exponentials.
@@ -131,6 +132,7 @@ namespace {
 
 using detection::ViewKind;
 
+// derived: two observations for each of ten features; steps of 0.02.
 constexpr int kMinOfAKind = 20;
 constexpr int kCorrelationSteps = 50;
 

@@ -9,12 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "calibration/tuning.hpp"
 #include "geometry/statistics.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
 
+// derived: half a circle of hues, radians for a degree.
 constexpr int kHalfTurn = vision::kNumHues / 2;
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 
@@ -68,13 +70,9 @@ namespace {
 
 /// Max time between two associated observations of an object without poses.
 constexpr std::int64_t kLostAfter_us = 1'000'000;
+// derived: 1 of 2000 normal deviations is larger.
 /// Observations beyond this many robust standard deviations are segmentation errors, not scatter.
 constexpr double kOutlier = 3.5;
-/// Max difference of two trunks' colours in the logs of blue and of red over green. Light of 5500
-/// and of 10000 K (sun, open shade) differs by 0.3, bark of saturation 0.04 and of 0.42 by 0.4;
-/// both together by 0.5. The hue of bark so pale says nothing; painted objects differ by 1 and
-/// more.
-constexpr double kSameColour = 0.5;
 
 struct ObjectTrack {
   ObservedObject seen;
@@ -159,7 +157,7 @@ bool same_colour(const ObjectTrack& a, const ObjectTrack& typical,
                  const TrunkModelOptions& options) {
   if (a.colour && typical.colour) {
     return std::hypot(a.colour->blue - typical.colour->blue, a.colour->red - typical.colour->red) <=
-           kSameColour;
+           tuning::kSameColour;
   }
   return hue_distance_deg(a.seen.dominant_hue_deg, typical.seen.dominant_hue_deg) <=
          options.hue_spread_deg;
@@ -171,10 +169,6 @@ bool alike(const ObjectTrack& a, const ObjectTrack& typical, bool has_hue,
              options.width_spread * typical.seen.median_width_m &&
          (!has_hue || same_colour(a, typical, options));
 }
-
-/// Min number of observations of a trunk relative to that of its kind's typical observation.
-/// Somebody who walks past leaves one short-lived object after another, all of the same width.
-constexpr double kLookedAtMin = 0.5;
 
 /// Number of observations of the object that the middle one of all these observations belongs to.
 int typical_observations(const std::vector<ObjectTrack>& tracks,
@@ -217,7 +211,7 @@ std::vector<std::size_t> largest_population(const std::vector<ObjectTrack>& trac
       best_sum = sum;
     }
   }
-  const double fewest = kLookedAtMin * typical_observations(tracks, best);
+  const double fewest = tuning::kLookedAtMin * typical_observations(tracks, best);
   best.erase(std::remove_if(best.begin(), best.end(),
                             [&](std::size_t i) {
                               return tracks[i].in_map && tracks[i].seen.num_observations < fewest;

@@ -9,12 +9,13 @@
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
 #include "vision/appearance.hpp"
-#include "vision/exposure.hpp"
 #include "vision/decode.hpp"
+#include "vision/exposure.hpp"
 
 namespace orchard::calibration {
 namespace {
 
+// derived: from the reach of a window's bands.
 /// Distance of a window beside a trunk in window widths, so that its bands do not cover the trunk.
 constexpr int kWidthsOff = 3;
 constexpr int kCropMargin_px = 12;

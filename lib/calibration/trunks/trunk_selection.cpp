@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calibration/tuning.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
 #include "vision/appearance.hpp"
@@ -15,6 +16,7 @@
 namespace orchard::calibration {
 namespace {
 
+// derived: budget; more of one object say little that is new.
 constexpr std::size_t kMaxObservations = 12;  // per object
 
 /// Selects at most kMaxObservations of an object's observations, evenly spread.
@@ -102,6 +104,7 @@ std::vector<std::optional<double>> trunk_scores(const std::vector<TrunkObservati
 
 namespace {
 
+// derived: 3 sigma.
 /// Widths of trees reach farther than the trunks that were chosen within width_spread: objects
 /// within so many standard deviations of the chosen trunks may be trunks, too.
 constexpr double kReach_sigma = 3.0;
@@ -115,10 +118,6 @@ double reach_m(const TrunkModel& model) {
   return std::max(model.width_spread * model.width_mean_m,
                   kReach_sigma * std::sqrt(squares_m2 / std::max(1, model.num_trunks)));
 }
-
-/// Somebody who walks is observed at positions that scatter more than those of the trunks by at
-/// least this factor.
-constexpr double kWalkingFactor = 3.0;
 
 /// RMS distance of an object's observations from their mean [m].
 double scatter_m(const ObservedObject& seen, const std::vector<TrunkObservation>& observations) {
@@ -141,11 +140,9 @@ double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>
   for (const ObservedObject& seen : model.objects) {
     if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
   }
-  return of_trunks_m.empty() ? 0.0 : kWalkingFactor * geometry::median(std::move(of_trunks_m));
+  return of_trunks_m.empty() ? 0.0
+                             : tuning::kWalkingFactor * geometry::median(std::move(of_trunks_m));
 }
-
-/// Probability of being a trunk below which an object is a negative example.
-constexpr double kSurelyNone = 0.1;
 
 /// What width and movement say of an object.
 enum class Reach {
@@ -237,7 +234,7 @@ std::optional<TrunkModel> judge(const std::vector<TrunkObservation>& observation
     if (is_kept[i] || (is_enough && probability > 0.5)) {
       options.judged.push_back(static_cast<int>(i) + 1);
     } else {
-      is_doubtful[i] = probability > kSurelyNone;
+      is_doubtful[i] = probability > tuning::kSurelyNone;
     }
   }
   if (options.judged.empty()) return std::nullopt;

@@ -150,10 +150,14 @@ class MapCommand : public CliTest {};
 TEST_F(MapCommand, WritesTheWholeFolderAndSaysWhatItFound) {
   const Result result = map(log());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html",
-                           "trajectory.csv", "summary.json", "derived.lcm"}) {
+  for (const char* file :
+       {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html", "trajectory.csv",
+        "trajectory.tum", "graph.json", "summary.json", "derived.lcm", "album"}) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
+    EXPECT_THAT(result.out, HasSubstr(file));
   }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 12);
+  EXPECT_EQ(orchard({"log", "check", path("map/derived.lcm")}).exit_code, 0);
   EXPECT_THAT(result.out, HasSubstr("16 landmarks: 12 trees, 4 objects"));
   EXPECT_THAT(result.out, HasSubstr("losses: none"));
   EXPECT_EQ(result.err, "");  // no progress bar in a pipe
@@ -187,17 +191,6 @@ TEST_F(MapCommand, PiecesOfALogAreMappedAsTheLogWas) {
     const std::string whole = orchard({"log", "info", log()}).out;
     return whole.substr(whole.find('\n'));
   }());
-}
-
-TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
-  const Result result = map(log());
-  for (const char* file :
-       {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html", "trajectory.csv",
-        "trajectory.tum", "graph.json", "summary.json", "derived.lcm", "album"}) {
-    EXPECT_TRUE(exists(path("map/") + file)) << file;
-    EXPECT_THAT(result.out, HasSubstr(file));
-  }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 12);
 }
 
 TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {
@@ -272,13 +265,6 @@ TEST_F(MapCommand, QuietSaysNothing) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(result.err, "");
-}
-
-TEST_F(MapCommand, DerivedMessagesAreAReadableLog) {
-  ASSERT_EQ(map(log()).exit_code, 0);
-  const Result result = orchard({"log", "check", path("map/derived.lcm")});
-  EXPECT_EQ(result.exit_code, 0) << result.out;
-  EXPECT_THAT(orchard({"log", "info", path("map/derived.lcm")}).out, HasSubstr("DETECTIONS"));
 }
 
 // A terminal as `script` makes one; without one nothing is drawn (WritesTheWholeFolder...).

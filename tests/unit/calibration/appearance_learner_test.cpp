@@ -113,14 +113,6 @@ TEST(AppearanceLearner, ItsConfidenceMeansWhatItSays) {
   }
 }
 
-TEST(AppearanceLearner, TheSameWindowsGiveTheSameBits) {
-  const auto samples = samples_of_law(5, 6, 60, 3.0);
-  const AppearanceFit a = learn_appearance(samples), b = learn_appearance(samples);
-  EXPECT_EQ(a.config.weights, b.config.weights);
-  EXPECT_EQ(a.config.bias, b.config.bias);
-  EXPECT_EQ(a.penalty, b.penalty);
-}
-
 TEST(AppearanceLearner, MoreOfOneClassMovesNoBias) {
   auto samples = samples_of_law(6, 8, 200, 3.0);
   const AppearanceFit balanced = learn_appearance(samples);

@@ -264,13 +264,6 @@ TEST(ProbabilityLearner, LeavesOutRecordingsObjectsOrSaysThatItCannot) {
   for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_GE(fit.left_out_tree[i], 0.0) << i;
 }
 
-TEST(ProbabilityLearner, SameSamplesSameBits) {
-  const auto a = learn_probability(observations(4, 3, 30), {}),
-             b = learn_probability(observations(4, 3, 30), {});
-  EXPECT_EQ(a.config.judged_tree, b.config.judged_tree);
-  EXPECT_EQ(a.config.laser_object, b.config.laser_object);
-}
-
 TEST(ProbabilityLearner, RefusesTooLittle) {
   auto few = observations(1, 1, 2);
   EXPECT_THROW(learn_probability(few, {}), std::runtime_error);

@@ -4,11 +4,9 @@
 #include <string>
 
 #include "cli/add_command.hpp"
-#include "cli/evaluate/evaluate.hpp"
 #include "cli/field/field.hpp"
 #include "cli/logs/logs.hpp"
 #include "cli/maps/maps.hpp"
-#include "cli/rig/rig.hpp"
 
 namespace orchard::cli {
 namespace {

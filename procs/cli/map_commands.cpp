@@ -6,9 +6,7 @@
 
 #include "cli/add_command.hpp"
 #include "cli/farm/farm.hpp"
-#include "cli/growers/growers.hpp"
 #include "cli/maps/maps.hpp"
-#include "cli/view/view.hpp"
 #include "geometry/angles.hpp"
 
 namespace orchard::cli {

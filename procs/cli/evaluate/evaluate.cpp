@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/evaluate/evaluate.hpp"
+#include "cli/logs/logs.hpp"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/growers/growers.hpp"
+#include "cli/maps/maps.hpp"
 
 #include <algorithm>
 #include <cstdio>

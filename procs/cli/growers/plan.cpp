@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "bus/process/process.hpp"
-#include "cli/growers/growers.hpp"
+#include "cli/maps/maps.hpp"
 #include "cli/maps/stored_maps.hpp"
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/map_alignment.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
+
 namespace orchard::cli {
 
 struct EchoOptions {
@@ -86,5 +89,60 @@ struct SimulateOptions {
 /// `orchard simulate --scene board`: writes the log for `orchard calibrate laser-camera`. The rig's
 /// own `camera` is the truth; there is no map, so --truth and --poses are rejected.
 [[gnu::weak]] int run_simulate_board(const SimulateOptions& options);
+
+struct DoctorOptions {
+  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
+  std::string config_path;  ///< of the rig; empty: none
+  bool json = false;
+};
+
+/// Checks this machine for LCM's needs (multicast route, loopback, sockets, buffers, traffic) and
+/// prints each finding as OK, WARN or FAIL with the command that fixes it. Returns 0 when nothing
+/// failed, 1 otherwise, 2 for an invalid URL.
+[[gnu::weak]] int run_doctor(const DoctorOptions& options);
+
+/// `orchard overlay LOG --at TIME --out PNG`.
+struct OverlayOptions {
+  std::string log_path;
+  double at = 0.0;          ///< seconds from the log's first message, or an absolute utime [us]
+  std::string config_path;  ///< empty: the rig stored in the log
+  std::string out_path;
+};
+
+/// Draws the scan points and the detector's results onto the picture nearest to a time; returns the
+/// exit code. Throws io::FileError and io::ConfigError, and then writes nothing.
+[[gnu::weak]] int run_overlay(const OverlayOptions& options);
+
+/// `orchard evaluate MAP --truth CSV`.
+struct EvaluateOptions {
+  std::string map_path;  ///< a map.csv, or the folder that holds one
+  std::string truth_path;
+  std::string poses_path;  ///< true poses, to evaluate trajectory.csv; empty: do not
+  double gate_m = 0.3;     ///< max distance of a landmark from its true object
+  bool align = false;      ///< register the map to the truth first, by its trees
+  evaluation::AlignmentSearch search;
+  bool json = false;
+  bool check = false;  ///< exit 1 unless the map is perfect
+};
+
+/// Prints the paper's tables with the error against truth; returns the exit code. Throws
+/// io::FileError for missing or invalid files.
+[[gnu::weak]] int run_evaluate(const EvaluateOptions& options);
+
+/// `orchard evaluate trajectory TRAJECTORY --truth CSV`.
+struct EvaluateTrajectoryOptions {
+  std::string trajectory_path;  ///< a trajectory.csv, or the folder that holds one
+  std::string truth_path;
+  bool align = false;
+  bool align_origin = false;
+  bool nearest = false;
+  double gap_max_s = 0.0;  ///< 0 = three median intervals of the truth
+  evaluation::TrajectoryRules rules;
+  bool json = false;
+};
+
+/// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when no poses
+/// could be compared. Throws io::FileError for missing or invalid files.
+[[gnu::weak]] int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options);
 
 }  // namespace orchard::cli

@@ -4,8 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "io/gis/plan_file.hpp"
 #include "mapping/compare/map_alignment.hpp"
 #include "mapping/compare/map_comparison.hpp"
+#include "mapping/corrections/correction.hpp"
+#include "mapping/plan/plan_match.hpp"
 
 namespace orchard::cli {
 
@@ -66,5 +69,130 @@ struct MergeOptions {
 /// the maps left out and the reasons. Without a majority for any map it is unknown which maps show
 /// the orchard, and all are rejected.
 [[gnu::weak]] int run_merge(const MergeOptions& options);
+
+/// `orchard edit MAP KIND ...`.
+struct EditOptions {
+  std::string map_folder;
+  mapping::CorrectionKind kind = mapping::CorrectionKind::kNote;
+  std::string tree;                ///< id, or row/tree
+  std::vector<std::string> trees;  ///< the same, for merge
+  std::vector<double> at_m;        ///< x y [x y] in map
+  std::string class_word = "tree";
+  double width_m = 0.0;
+  std::string row;
+  std::string name;
+  int position = 0;
+  int of = 0;  ///< number of the correction for undo and redo; 0: the last
+  std::string who;
+  std::string note;
+  std::string out_folder;  ///< apply
+  bool json = false;       ///< list, check
+};
+
+/// Adds one correction to the map's corrections; returns the exit code. Throws io::FileError,
+/// without adding it, when it is impossible or would contradict the map.
+[[gnu::weak]] int run_edit(const EditOptions& options);
+
+/// Prints the corrections and the outcome of each.
+[[gnu::weak]] int run_edit_list(const EditOptions& options);
+
+/// Prints the corrections in conflict; returns exit code 3 when there are any.
+[[gnu::weak]] int run_edit_check(const EditOptions& options);
+
+/// Writes the corrected map to a separate folder.
+[[gnu::weak]] int run_edit_apply(const EditOptions& options);
+
+/// The name of the current user, from the system.
+std::string person();
+
+/// `orchard export MAP --format WORD --out FILE`.
+struct ExportOptions {
+  std::string map_path;
+  std::string format;
+  std::string out_path;
+  std::string layer;  ///< empty: all layers that the format supports
+  bool as_mapped = false;
+  bool overwrite = false;
+  bool json = false;
+};
+
+/// Exports a map with its manual corrections to another format; returns the exit code. Throws
+/// io::FileError.
+[[gnu::weak]] int run_export(const ExportOptions& options);
+
+/// `orchard import-edits MAP EDITED.gpkg`.
+struct ImportEditsOptions {
+  std::string map_folder;
+  std::string edited_path;
+  std::string who;
+  bool keep_missing = false;  ///< landmarks missing in the file were not deleted
+  bool dry_run = false;
+  bool json = false;
+};
+
+/// Adds the changes made in a map's GeoPackage to the map's corrections. Returns the exit code: 3
+/// when some are in conflict; the others are added all the same. Throws io::FileError.
+[[gnu::weak]] int run_import_edits(const ImportEditsOptions& options);
+
+/// `orchard plan FILE [--map MAP]`.
+struct PlanOptions {
+  std::string plan_path;
+  io::PlanFileOptions file;
+  std::string map_path;  ///< empty: only reads the plan
+  std::string out_path;  ///< with a map a map folder, else a GeoJSON file; empty: only prints
+  mapping::PlanMatchConfig match;
+  bool json = false;
+};
+
+/// Reads a grower's plan and prints its content; with a map, registers the plan to it and prints
+/// missing, extra and misplaced trees. Returns the exit code. Throws io::FileError.
+[[gnu::weak]] int run_plan(const PlanOptions& options);
+
+/// `orchard publish MAP --to URL --block NAME`.
+struct PublishOptions {
+  std::string map_path;
+  std::string url;
+  std::string block;
+  std::string date;  ///< empty: the date of the drive
+  bool as_mapped = false;
+  bool json = false;
+};
+
+/// Writes a map with its manual corrections to PostGIS; returns the exit code. Throws
+/// io::FileError, and std::runtime_error for errors of the server.
+[[gnu::weak]] int run_publish(const PublishOptions& options);
+
+/// `orchard report MAP`.
+struct ReportOptions {
+  std::string map_path;       ///< a map folder, or its map.csv
+  std::string previous_path;  ///< an earlier map; empty: none
+  std::string plan_path;      ///< the grower's plan; empty: none
+  io::PlanFileOptions plan_file;
+  mapping::PlanMatchConfig plan_match;
+  std::string name;        ///< name of the map in the report; empty: that of its folder
+  std::string out_folder;  ///< empty: folder `report` inside the map's
+  std::string language = "en";
+  mapping::MapAlignmentConfig alignment;
+  bool as_mapped = false;  ///< without manual corrections
+  bool json = false;       ///< prints the table of rows as JSON
+};
+
+/// Writes report.html and report.csv; returns the exit code. Throws io::FileError for
+/// maps that cannot be read or registered.
+[[gnu::weak]] int run_report(const ReportOptions& options);
+
+/// `orchard view LOG|MAP_FOLDER`.
+struct ViewOptions {
+  std::vector<std::string> paths;  ///< a map folder, or the logs of one drive
+  std::string config_path;         ///< for a log: a rig in place of the recorded one
+  std::string listen;              ///< "ADDRESS", "ADDRESS:PORT", ":PORT"
+  std::string token_file;
+  bool edit = false;  ///< for a map folder: users of the page may correct the map
+  bool open = false;  ///< open the page in the user's browser
+};
+
+/// Serves the page until Ctrl-C; returns the exit code. Throws io::FileError, io::ConfigError,
+/// std::runtime_error.
+[[gnu::weak]] int run_view(const ViewOptions& options);
 
 }  // namespace orchard::cli

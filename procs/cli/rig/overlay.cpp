@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/rig/rig.hpp"
+#include "cli/logs/logs.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>

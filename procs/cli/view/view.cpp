@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/view/view.hpp"
+#include "cli/maps/maps.hpp"
 
 #include <signal.h>
 #include <spawn.h>

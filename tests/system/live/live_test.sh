@@ -56,7 +56,7 @@ is_saved() {  # the journal, written every second, has not grown for more than t
 }
 wait_for "the last save" 40 is_saved
 kill -KILL "$mapper"
-wait_for "another mapper" 40 grep -q "resuming the map in map2" live.err
+wait_for "another mapper" 40 grep -rq "resuming the map in map2" map2/logs
 grep -q "orchard-mapper was killed by signal Killed" live.err || fail "nobody says who was killed"
 [ "$(pid_of orchard-mapper)" != "$mapper" ] || fail "the same mapper"
 kill -CONT "$source"

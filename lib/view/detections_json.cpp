@@ -35,15 +35,8 @@ std::string rect_text(const vision::PixelRect& rect) {
          std::to_string(rect.width_px) + "," + std::to_string(rect.height_px) + "]";
 }
 
-const char* label_name(detection::Label label) {
-  switch (label) {
-    case detection::Label::kTree:
-      return "0";
-    case detection::Label::kObject:
-      return "1";
-    default:
-      return "2";
-  }
+const char* label_number(detection::Label label) {
+  return label == detection::Label::kTree ? "0" : label == detection::Label::kObject ? "1" : "2";
 }
 
 }  // namespace
@@ -117,7 +110,7 @@ std::string detections_json(const detection::Detections& detections, const detec
     if (!window) continue;
     if (!is_first) text += ',';
     is_first = false;
-    text += std::string("{\"label\":") + label_name(d.label) +
+    text += std::string("{\"label\":") + label_number(d.label) +
             ",\"centre\":" + rect_text(window->centre) +
             ",\"left_edge\":" + rect_text(window->left_edge) +
             ",\"right_edge\":" + rect_text(window->right_edge) +

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "geometry/angles.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
@@ -13,19 +14,17 @@ namespace {
 
 using mapping::Landmark;
 
-constexpr double kPi = 3.14159265358979323846;
-
 /// Range of directions from the last kept point, relative to the direction of the first point after
 /// it.
 struct Cone {
   bool is_open = false;  ///< not narrowed by any point yet
   double middle_rad = 0.0;
-  double least_rad = -kPi, most_rad = kPi;  ///< relative to middle_rad
-  double reach_m = 0.0;                     ///< distance of the farthest point
+  double least_rad = -geometry::kPi, most_rad = geometry::kPi;  ///< relative to middle_rad
+  double reach_m = 0.0;                                         ///< distance of the farthest point
 };
 
 double relative(double angle_rad, double to_rad) {
-  return std::remainder(angle_rad - to_rad, 2.0 * kPi);
+  return std::remainder(angle_rad - to_rad, 2.0 * geometry::kPi);
 }
 
 std::string row_json(const mapping::Row& row) {

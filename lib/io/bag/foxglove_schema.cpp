@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -82,63 +81,41 @@ Json scene() {
 }
 
 Json schema_of(const std::string& name) {
-  static const std::map<std::string, std::function<Json()>> kSchemas{
-      {"foxglove.LaserScan",
-       [] {
-         return timed({{"frame_id", text()},
-                       {"pose", pose()},
-                       {"start_angle", real()},
-                       {"end_angle", real()},
-                       {"ranges", array(real())},
-                       {"intensities", array(real())}});
-       }},
+  static const std::map<std::string, Json> kSchemas{
+      {"foxglove.LaserScan", timed({{"frame_id", text()},
+                                    {"pose", pose()},
+                                    {"start_angle", real()},
+                                    {"end_angle", real()},
+                                    {"ranges", array(real())},
+                                    {"intensities", array(real())}})},
       {"foxglove.CompressedImage",
-       [] {
-         return timed({{"frame_id", text()}, {"data", bytes()}, {"format", text()}});
-       }},
-      {"foxglove.RawImage",
-       [] {
-         return timed({{"frame_id", text()},
-                       {"width", whole()},
-                       {"height", whole()},
-                       {"encoding", text()},
-                       {"step", whole()},
-                       {"data", bytes()}});
-       }},
-      {"foxglove.LocationFix",
-       [] {
-         return timed({{"frame_id", text()},
-                       {"latitude", real()},
-                       {"longitude", real()},
-                       {"altitude", real()},
-                       {"position_covariance", array(real())},
-                       {"position_covariance_type", whole()}});
-       }},
-      {"foxglove.PoseInFrame",
-       [] {
-         return timed({{"frame_id", text()}, {"pose", pose()}});
-       }},
-      {"foxglove.FrameTransforms", transforms},
-      {"foxglove.CameraCalibration",
-       [] {
-         return timed({{"frame_id", text()},
-                       {"width", whole()},
-                       {"height", whole()},
-                       {"distortion_model", text()},
-                       {"D", array(real())},
-                       {"K", array(real())},
-                       {"R", array(real())},
-                       {"P", array(real())}});
-       }},
-      {"foxglove.SceneUpdate", scene},
-      {"orchard.Odometry",
-       [] {
-         return timed({{"speed_mps", real()}, {"yaw_rate_radps", real()}});
-       }},
-      {"orchard.Imu", [] {
-         return timed({{"angular_rate_radps", vector()}, {"acceleration_mps2", vector()}});
-       }}};
-  return kSchemas.at(name)();
+       timed({{"frame_id", text()}, {"data", bytes()}, {"format", text()}})},
+      {"foxglove.RawImage", timed({{"frame_id", text()},
+                                   {"width", whole()},
+                                   {"height", whole()},
+                                   {"encoding", text()},
+                                   {"step", whole()},
+                                   {"data", bytes()}})},
+      {"foxglove.LocationFix", timed({{"frame_id", text()},
+                                      {"latitude", real()},
+                                      {"longitude", real()},
+                                      {"altitude", real()},
+                                      {"position_covariance", array(real())},
+                                      {"position_covariance_type", whole()}})},
+      {"foxglove.PoseInFrame", timed({{"frame_id", text()}, {"pose", pose()}})},
+      {"foxglove.FrameTransforms", transforms()},
+      {"foxglove.CameraCalibration", timed({{"frame_id", text()},
+                                            {"width", whole()},
+                                            {"height", whole()},
+                                            {"distortion_model", text()},
+                                            {"D", array(real())},
+                                            {"K", array(real())},
+                                            {"R", array(real())},
+                                            {"P", array(real())}})},
+      {"foxglove.SceneUpdate", scene()},
+      {"orchard.Odometry", timed({{"speed_mps", real()}, {"yaw_rate_radps", real()}})},
+      {"orchard.Imu", timed({{"angular_rate_radps", vector()}, {"acceleration_mps2", vector()}})}};
+  return kSchemas.at(name);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <map>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
@@ -58,7 +59,6 @@ bool is_drawn(std::string_view character) {
 constexpr int kSizeMaxPx = 30000;         // cairo's images end at 32767
 constexpr double kCoordinateMaxPx = 1e6;  // cairo's fixed-point numbers end at 8e6
 constexpr double kPointsPerPx = 0.75;     // PDF uses units of 1/72 inch
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kDashPx[] = {4.0, 3.0};
 constexpr double kHaloPx = 3.0;
 constexpr const char* kFont = "DejaVu Sans";
@@ -300,7 +300,7 @@ void Canvas::rectangle(const PixelBox& box, std::optional<Colour> fill,
 void Canvas::circle(PixelPoint centre, double radius, Colour fill, Colour stroke) {
   if (!is_drawable(centre) || !(radius > 0.0 && radius < kCoordinateMaxPx)) return;
   cairo_new_path(page_->cairo);
-  cairo_arc(page_->cairo, centre.x, centre.y, radius, 0.0, 2.0 * kPi);
+  cairo_arc(page_->cairo, centre.x, centre.y, radius, 0.0, 2.0 * geometry::kPi);
   cairo_close_path(page_->cairo);
   page_->paint(fill, stroke, 1.0);
 }
@@ -316,7 +316,7 @@ void Canvas::text(PixelPoint position, const std::string& text, const TextStyle&
   cairo_select_font_face(cairo, kFont, CAIRO_FONT_SLANT_NORMAL, weight_of(style.is_bold));
   cairo_set_font_size(cairo, style.size_px);
   cairo_translate(cairo, position.x, position.y);
-  if (style.is_upward) cairo_rotate(cairo, -0.5 * kPi);
+  if (style.is_upward) cairo_rotate(cairo, -0.5 * geometry::kPi);
   const double begin_px = -fraction * text_width_px(drawn, style.size_px, style.is_bold);
   if (style.halo_colour) {
     cairo_move_to(cairo, begin_px, 0.0);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/figure/comparison_figure.hpp"
 
+#include <cstddef>
+
 #include "io/figure/map_frame.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "text/number_text.hpp"
@@ -16,25 +18,11 @@ constexpr Change kAllChanges[] = {Change::kMissing, Change::kNew,     Change::kM
                                   Change::kGrown,   Change::kThinner, Change::kUnchanged,
                                   Change::kNotSeen};
 
-Colour colour_of(Change change) {
-  switch (change) {
-    case Change::kMissing:
-      return {225, 60, 50};
-    case Change::kNew:
-      return {50, 170, 70};
-    case Change::kMoved:
-      return {50, 100, 220};
-    case Change::kGrown:
-      return {150, 80, 190};
-    case Change::kThinner:
-      return {205, 160, 225};
-    case Change::kUnchanged:
-      return {190, 190, 190};
-    case Change::kNotSeen:
-      break;
-  }
-  return {245, 245, 245};
-}
+/// In the order of Change.
+constexpr Colour kColours[] = {{190, 190, 190}, {225, 60, 50},   {50, 170, 70},  {50, 100, 220},
+                               {150, 80, 190},  {205, 160, 225}, {245, 245, 245}};
+
+Colour colour_of(Change change) { return kColours[static_cast<std::size_t>(change)]; }
 
 constexpr Colour kEdge{120, 120, 120};
 

@@ -22,14 +22,8 @@ struct Style {
 };
 
 Style style_of(Label label) {
-  switch (label) {
-    case Label::kTree:
-      return {{70, 180, 80}, {20, 95, 30}};
-    case Label::kObject:
-      return {{225, 70, 60}, {130, 20, 15}};
-    case Label::kUnseen:
-      break;
-  }
+  if (label == Label::kTree) return {{70, 180, 80}, {20, 95, 30}};
+  if (label == Label::kObject) return {{225, 70, 60}, {130, 20, 15}};
   return {{205, 205, 205}, {140, 140, 140}};
 }
 

@@ -44,53 +44,25 @@ class MemoryFile {
 };
 
 OGRFieldType ogr_type(GeoType type) {
-  switch (type) {
-    case GeoType::kInteger:
-      return OFTInteger;
-    case GeoType::kInteger64:
-      return OFTInteger64;
-    case GeoType::kReal:
-      return OFTReal;
-    case GeoType::kText:
-      break;
-  }
-  return OFTString;
-}
-
-/// Name of the driver in GDAL.
-const char* driver_of(GeoFormat format) {
-  switch (format) {
-    case GeoFormat::kGeoPackage:
-      break;  // written by GeoPackage
-    case GeoFormat::kGeoJson:
-      return "GeoJSON";
-    case GeoFormat::kKml:
-      return "LIBKML";
-    case GeoFormat::kShapefile:
-      return "ESRI Shapefile";
-    case GeoFormat::kDxf:
-      return "DXF";
-    case GeoFormat::kCsv:
-      return "CSV";
-    case GeoFormat::kFlatGeobuf:
-      break;
-  }
-  return "FlatGeobuf";
+  constexpr OGRFieldType kTypes[] = {OFTInteger, OFTInteger64, OFTReal, OFTString};
+  return kTypes[static_cast<std::size_t>(type)];
 }
 
 }  // namespace
 
 const std::vector<GeoFormatInfo>& geo_formats() {
   static const std::vector<GeoFormatInfo> kFormats{
-      {GeoFormat::kGeoPackage, "gpkg", ".gpkg", false, false, ""},
-      {GeoFormat::kGeoJson, "geojson", ".geojson", true, true, ""},
-      {GeoFormat::kKml, "kml", ".kml", false, true, "KML does not store colours by class"},
-      {GeoFormat::kShapefile, "shp", ".shp.zip", false, false,
+      {GeoFormat::kGeoPackage, "gpkg", ".gpkg", "GPKG", false, false, ""},
+      {GeoFormat::kGeoJson, "geojson", ".geojson", "GeoJSON", true, true, ""},
+      {GeoFormat::kKml, "kml", ".kml", "LIBKML", false, true,
+       "KML does not store colours by class"},
+      {GeoFormat::kShapefile, "shp", ".shp.zip", "ESRI Shapefile", false, false,
        "a Shapefile limits column names to ten letters and texts to 254 bytes"},
-      {GeoFormat::kDxf, "dxf", ".dxf", false, false,
+      {GeoFormat::kDxf, "dxf", ".dxf", "DXF", false, false,
        "DXF stores only positions and labels: no widths, no certainty, no coordinate system"},
-      {GeoFormat::kCsv, "csv", ".csv", true, false, "CSV does not store the coordinate system"},
-      {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", true, false, ""}};
+      {GeoFormat::kCsv, "csv", ".csv", "CSV", true, false,
+       "CSV does not store the coordinate system"},
+      {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", "FlatGeobuf", true, false, ""}};
   return kFormats;
 }
 
@@ -124,7 +96,7 @@ class OgrFile final : public LayerFile {
     if (holds && errors_.first().empty()) return;
     throw FileError(std::string("map") + info_.extension + ": GDAL cannot write it (" +
                     (errors_.first().empty() ? std::string("no reason given") : errors_.first()) +
-                    "); install GDAL with its " + driver_of(info_.format) + " driver?");
+                    "); install GDAL with its " + info_.driver + " driver?");
   }
   OGRPoint point_of(const Eigen::Vector2d& p_map) const {
     if (!georeference_) return OGRPoint(p_map.x(), p_map.y());
@@ -170,7 +142,7 @@ OgrFile::OgrFile(const std::optional<geometry::Georeference>& georeference,
     require(srs_.importFromWkt(kLocalSystem) == OGRERR_NONE);
   }
   srs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_of(info.format));
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(info.driver);
   require(driver != nullptr);
   dataset_.reset(driver->Create(file_.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
   require(dataset_ != nullptr);

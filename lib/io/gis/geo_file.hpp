@@ -19,6 +19,7 @@ struct GeoFormatInfo {
   GeoFormat format;
   const char* word;       ///< "geojson"
   const char* extension;  ///< ".geojson"
+  const char* driver;     ///< in GDAL
   bool has_one_layer;
   bool is_on_earth;  ///< stores latitude and longitude only: needs a georeference
   const char* lost;  ///< what it cannot store, as a sentence; "": nothing

@@ -96,23 +96,13 @@ constexpr char kStyles[] = R"(
 )";
 
 const char* column_type(GeoType type) {
-  switch (type) {
-    case GeoType::kInteger:
-      return "MEDIUMINT";
-    case GeoType::kInteger64:
-      return "INTEGER";
-    case GeoType::kReal:
-      return "REAL";
-    case GeoType::kText:
-      break;
-  }
-  return "TEXT";
+  constexpr const char* kNames[] = {"MEDIUMINT", "INTEGER", "REAL", "TEXT"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 const char* geometry_name(GeoGeometry geometry) {
-  return geometry == GeoGeometry::kPoint  ? "POINT"
-         : geometry == GeoGeometry::kArea ? "POLYGON"
-                                          : "LINESTRING";
+  constexpr const char* kNames[] = {"POINT", "LINESTRING", "POLYGON"};
+  return kNames[static_cast<std::size_t>(geometry)];
 }
 
 /// Whether a UTM zone of WGS 84 with this EPSG code (326 or 327 and the zone) is in the south.

@@ -165,23 +165,11 @@ constexpr std::size_t kLinesAtOnce = 1000;
 
 /// Appends a text in COPY's format.
 void append_text(const std::string& text, std::string& line) {
+  constexpr std::string_view kEscaped = "\\\t\n\r", kLetters = "\\tnr";
   for (const char c : text) {
-    switch (c) {
-      case '\\':
-        line += "\\\\";
-        break;
-      case '\t':
-        line += "\\t";
-        break;
-      case '\n':
-        line += "\\n";
-        break;
-      case '\r':
-        line += "\\r";
-        break;
-      default:
-        line += c;
-    }
+    const std::size_t at = kEscaped.find(c);
+    if (at != std::string_view::npos) line += '\\';
+    line += at == std::string_view::npos ? c : kLetters[at];
   }
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -200,5 +199,4 @@ TEST(CostFit, HasNoPartBelowZero) {
 }
 
 }  // namespace
-
 }  // namespace orchard::farm

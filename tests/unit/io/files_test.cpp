@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -252,5 +251,4 @@ TEST(ProgressBar, TimesToWaitAreRoundedUp) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -380,5 +380,4 @@ TEST(CloudSlice, ASliceWithoutPointsAndACloudWithoutPlacesAreNotUsed) {
 }
 
 }  // namespace
-
 }  // namespace orchard::ros

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -148,5 +147,4 @@ TEST(PrintableText, LeavesWordsAsTheyAre) {
 }
 
 }  // namespace
-
 }  // namespace orchard

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +24,7 @@ detection::Rig make_rig() {
   return {laser, geometry::CameraConfig{}, detection::DetectorConfig{}};
 }
 
-pose::PoseEstimate make_pose(std::int64_t utime, double x_m, double yaw_rad) {
+pose::PoseEstimate make_pose(std::int64_t utime, double x_m, double yaw_rad = 0.0) {
   pose::PoseEstimate pose;
   pose.utime = utime;
   pose.x_m = x_m;
@@ -92,15 +91,15 @@ TEST(LiveState, ThePictureIsTheOneThatItsDetectionsAreOf) {
 TEST(LiveState, APathThatIsCorrectedIsToldAnew) {
   LiveState state(make_rig(), 1);
   ViewerProgress seen;
-  for (int k = 0; k < 10; ++k) state.take(make_pose(k, 0.1 * k, 0.0));
+  for (int k = 0; k < 10; ++k) state.take(make_pose(k, 0.1 * k));
   EXPECT_EQ(events_of(state, seen)["path"]["points"].size(), 20u);
-  state.take(make_pose(10, 1.0, 0.0));
+  state.take(make_pose(10, 1.0));
   const json more = events_of(state, seen)["path"];
   EXPECT_FALSE(more["is_new"]);
   EXPECT_EQ(more["points"], json({1.0, 0.0}));
   pose::TrajectoryPage page;
   page.utime = 10;
-  page.poses = {make_pose(0, 5.0, 0.0), make_pose(5, 6.0, 0.0)};
+  page.poses = {make_pose(0, 5.0), make_pose(5, 6.0)};
   state.take(page);
   const json anew = events_of(state, seen)["path"];
   EXPECT_TRUE(anew["is_new"]);
@@ -109,7 +108,7 @@ TEST(LiveState, APathThatIsCorrectedIsToldAnew) {
 
 TEST(LivePath, IsBoundedHoweverLongTheDrive) {
   LivePath path;
-  for (int k = 0; k < 200000; ++k) path.take(make_pose(k, 0.1 * k, 0.0));
+  for (int k = 0; k < 200000; ++k) path.take(make_pose(k, 0.1 * k));
   EXPECT_LT(path.points().size(), LivePath::kPointsMax);
   EXPECT_GT(path.points().size(), LivePath::kPointsMax / 4);
   EXPECT_NEAR(path.points().back().x(), 20000.0, 5.0);
@@ -298,8 +297,7 @@ TEST(LiveMap, EveryOnlookerConverges) {
 
 TEST(LiveMap, ShowsExactlyWhatItIsTold) {
   LiveMap map(1);
-  mapping::Landmark a, b;
-  a.id = 1, b.id = 2;
+  mapping::Landmark a = make_landmark(1, 0.0), b = make_landmark(2, 0.0);
   map.show({a, b});
   const std::int64_t revision = map.revision();
   map.show({a, b});
@@ -320,22 +318,9 @@ detection::Detections make_scan(std::int64_t utime) {
   return scan;
 }
 
-pose::PoseEstimate make_robot(std::int64_t utime, double x_m, double yaw_rad = 0.0) {
-  pose::PoseEstimate pose;
-  pose.utime = utime;
-  pose.x_m = x_m;
-  pose.yaw_rad = yaw_rad;
-  return pose;
-}
-
 mapping::MapTile make_tile(std::int64_t utime, std::int32_t id, double x_m) {
-  mapping::Landmark landmark;
-  landmark.id = id;
-  landmark.x_m = x_m;
-  landmark.num_observations = 5;
-  mapping::MapTile tile;
+  mapping::MapTile tile = tile_of({make_landmark(id, x_m)});
   tile.utime = utime;
-  tile.landmarks = {landmark};
   return tile;
 }
 
@@ -347,9 +332,9 @@ TEST(DriveRecord, AStepIsToldOnceItsPoseIsKnown) {
   DriveRecord record(1);
   record.take(make_scan(1500000));
   DriveProgress seen;
-  record.take(make_robot(1000000, 0.0, 3.0));
+  record.take(make_pose(1000000, 0.0, 3.0));
   EXPECT_EQ(news_of(record, seen)["num_steps"], 0);
-  record.take(make_robot(2000000, 1.0, -3.0));  // turned on over pi
+  record.take(make_pose(2000000, 1.0, -3.0));  // turned on over pi
   json news = news_of(record, seen);
   ASSERT_EQ(news["x"].size(), 1u);
   EXPECT_DOUBLE_EQ(news["x"][0], 0.5);
@@ -361,14 +346,13 @@ TEST(DriveRecord, TheMapGrowsByChangesThatCanBeSeen) {
   DriveRecord record(1);
   for (int k = 0; k < 4; ++k) {
     record.take(make_scan(k));
-    record.take(make_robot(k, k));
+    record.take(make_pose(k, k));
   }
   record.take(make_tile(0, 7, 1.0));
   record.take(make_tile(1, 7, 1.001));  // a millimetre
   record.take(make_tile(2, 7, 1.2));
-  mapping::MapTile gone;
+  mapping::MapTile gone = tile_of({}, {7, 99});
   gone.utime = 3;
-  gone.removed_ids = {7, 99};
   record.take(gone);
   DriveProgress seen;
   const json changes = news_of(record, seen)["changes"];
@@ -380,10 +364,10 @@ TEST(DriveRecord, TheMapGrowsByChangesThatCanBeSeen) {
 TEST(DriveRecord, ItEndsWithTheFinishedMap) {
   DriveRecord record(1);
   record.take(make_scan(1));
-  record.take(make_robot(1, 0.0));
+  record.take(make_pose(1, 0.0));
   record.take(make_tile(1, 3, 1.0));
   record.take(make_tile(1, 4, 2.0));
-  mapping::Landmark last = make_tile(1, 4, 2.0001).landmarks[0];
+  mapping::Landmark last = make_landmark(4, 2.0001);
   last.row = 1;
   record.finish({last});
   DriveProgress seen;
@@ -399,11 +383,11 @@ TEST(DriveRecord, APathHoldsFromItsStepOn) {
   DriveRecord record(1);
   for (int k = 0; k < 3; ++k) {
     record.take(make_scan(k));
-    record.take(make_robot(k, k));
+    record.take(make_pose(k, k));
   }
   pose::TrajectoryPage page;
   page.utime = 1;
-  page.poses = {make_robot(0, 5.0), make_robot(1, 6.0)};
+  page.poses = {make_pose(0, 5.0), make_pose(1, 6.0)};
   record.take(page);
   DriveProgress seen;
   const json paths = news_of(record, seen)["paths"];
@@ -416,7 +400,7 @@ TEST(DriveRecord, WhoIsFarBehindIsToldInParts) {
   DriveRecord record(1);
   for (int k = 0; k < 9000; ++k) {
     record.take(make_scan(k));
-    record.take(make_robot(k, k));
+    record.take(make_pose(k, k));
     record.take(make_tile(k, k, k));
   }
   record.finish({});
@@ -435,5 +419,4 @@ TEST(DriveRecord, WhoIsFarBehindIsToldInParts) {
 }
 
 }  // namespace
-
 }  // namespace orchard::view

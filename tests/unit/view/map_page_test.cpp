@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -332,5 +331,4 @@ TEST(Page, AsksNobodyForAnything) {
 }
 
 }  // namespace
-
 }  // namespace orchard::view

@@ -341,5 +341,4 @@ TEST(SceneRig, IsTheFileOfTheSceneAsItStands) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -471,8 +470,7 @@ OverlayContent one_candidate(bool edges_judged) {
 }
 
 cv::Mat drawn(const OverlayContent& content) {
-  const std::string png = overlay_figure(content, FigureFormat::kPng);
-  return cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
+  return decoded(overlay_figure(content, FigureFormat::kPng));
 }
 
 cv::Vec3b middle_of(const cv::Mat& sheet, int x_px, int y_px) {
@@ -491,7 +489,7 @@ TEST(OverlayFigure, PointsAndEdgesStandOnTheirPixels) {
   EXPECT_EQ(middle_of(sheet, 100, 88), cv::Vec3b(255, 255, 255));  // the tick
 }
 
-TEST(OverlayFigure, EdgesThatTheDetectorDidNotObservationAtShow) {
+TEST(OverlayFigure, EdgesThatTheDetectorDidNotLookAtShow) {
   const cv::Mat sheet = drawn(one_candidate(false));
   EXPECT_EQ(middle_of(sheet, 103, 120), cv::Vec3b(150, 150, 0));
   // The table has no number for them.
@@ -502,5 +500,4 @@ TEST(OverlayFigure, EdgesThatTheDetectorDidNotObservationAtShow) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/eventlog.h>
@@ -149,14 +148,13 @@ TEST(Log, EveryUndamagedEventIsReadWhicheverByteIsDamaged) {
 }
 
 TEST(Log, ALengthThatEndsWhereALaterEventBeginsIsSeenThrough) {
-  std::string log;
-  for (int i = 0; i < 4; ++i) {  // 64 bytes each: 28 + 4 + 32
-    const TestFolder folder;
-    LogWriter writer(folder / "a.lcm");
-    for (int k = 0; k < 4; ++k) writer.write(k, "SCAN", std::vector<std::uint8_t>(32, 7));
-    writer.close();
-    log = read_bytes(folder / "a.lcm");
+  const TestFolder folder;
+  LogWriter writer(folder / "a.lcm");
+  for (int k = 0; k < 4; ++k) {  // 64 bytes each: 28 + 4 + 32
+    writer.write(k, "SCAN", std::vector<std::uint8_t>(32, 7));
   }
+  writer.close();
+  std::string log = read_bytes(folder / "a.lcm");
   log[64 + 27] = 32 + 64;  // the second swallows the third exactly
   std::vector<LogGap> gaps;
   const auto events = read_text(log, &gaps);
@@ -496,5 +494,4 @@ TEST(RecordedLog, CutAtEveryByteLosesOneEventAndSaysSo) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <cpl_minixml.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -358,5 +357,4 @@ TEST(MapFolderLock, SetsAsideWhatIsOfAMapUnderItsTime) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -180,5 +179,4 @@ TEST(ObservationCsv, RefusesWhatCannotBeAndSaysWhere) {
 }
 
 }  // namespace
-
 }  // namespace orchard::io

@@ -8,6 +8,7 @@
 
 #include "detection/trunk_view.hpp"
 #include "text/number_text.hpp"
+#include "view/map_data.hpp"
 
 namespace orchard::view {
 namespace {
@@ -33,10 +34,6 @@ std::optional<detection::TrunkView> window_of(const detection::Detection& d,
 std::string rect_text(const vision::PixelRect& rect) {
   return "[" + std::to_string(rect.x_px) + "," + std::to_string(rect.y_px) + "," +
          std::to_string(rect.width_px) + "," + std::to_string(rect.height_px) + "]";
-}
-
-const char* label_number(detection::Label label) {
-  return label == detection::Label::kTree ? "0" : label == detection::Label::kObject ? "1" : "2";
 }
 
 }  // namespace
@@ -110,7 +107,7 @@ std::string detections_json(const detection::Detections& detections, const detec
     if (!window) continue;
     if (!is_first) text += ',';
     is_first = false;
-    text += std::string("{\"label\":") + label_number(d.label) +
+    text += "{\"label\":" + std::to_string(label_number(d.label)) +
             ",\"centre\":" + rect_text(window->centre) +
             ",\"left_edge\":" + rect_text(window->left_edge) +
             ",\"right_edge\":" + rect_text(window->right_edge) +

@@ -88,14 +88,7 @@ std::vector<Eigen::Vector2d> thinned_line(const std::vector<Eigen::Vector2d>& li
 }
 
 int label_number(detection::Label label) {
-  switch (label) {
-    case detection::Label::kTree:
-      return 0;
-    case detection::Label::kObject:
-      return 1;
-    default:
-      return 2;
-  }
+  return label == detection::Label::kTree ? 0 : label == detection::Label::kObject ? 1 : 2;
 }
 
 std::string line_json(const std::vector<Eigen::Vector2d>& line) {

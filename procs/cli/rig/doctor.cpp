@@ -238,6 +238,13 @@ class Findings {
     if (severity != Severity::kOk && !fix.empty()) std::printf("      fix: %s\n", fix.c_str());
     if (severity != Severity::kOk && !note.empty()) std::printf("      note: %s\n", note.c_str());
   }
+  void ok(const std::string& text) { add(Severity::kOk, text); }
+  void warn(const std::string& text, const std::string& fix = {}, const std::string& note = {}) {
+    add(Severity::kWarn, text, fix, note);
+  }
+  void fail(const std::string& text, const std::string& fix = {}, const std::string& note = {}) {
+    add(Severity::kFail, text, fix, note);
+  }
   Severity worst() const { return worst_; }
 
   std::string json(const std::string& lcm_url) const {
@@ -265,18 +272,18 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
   const auto loopback = std::find_if(interfaces.begin(), interfaces.end(),
                                      [](const NetworkInterface& i) { return i.loopback; });
   if (loopback == interfaces.end() || !loopback->up) {
-    findings.add(Severity::kFail, "the loopback interface is down", "sudo ip link set lo up");
+    findings.fail("the loopback interface is down", "sudo ip link set lo up");
   } else {
-    findings.add(Severity::kOk, "the loopback interface is up");
+    findings.ok("the loopback interface is up");
   }
   const std::optional<std::string> route = route_to(url.address);
   if (!route) {
-    findings.add(Severity::kFail, "no route to " + url.address + " (multicast)",
-                 "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo",
-                 "lasts until the next boot; scripts/multicast_lo.sh does the same");
+    findings.fail("no route to " + url.address + " (multicast)",
+                  "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo",
+                  "lasts until the next boot; scripts/multicast_lo.sh does the same");
     return;
   }
-  findings.add(Severity::kOk, "multicast to " + url.address + " goes through " + *route);
+  findings.ok("multicast to " + url.address + " goes through " + *route);
   const auto is_other = [](const NetworkInterface& i) {
     return i.up && !i.loopback && i.has_ipv4 && i.multicast;
   };
@@ -286,22 +293,19 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
                                     : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
   const bool through_loopback = loopback != interfaces.end() && *route == loopback->name;
   if (through_loopback && !loopback->multicast) {
-    findings.add(Severity::kWarn,
-                 *route + " has no MULTICAST flag; some LCM programs refuse to use it",
-                 "sudo ip link set lo multicast on");
+    findings.warn(*route + " has no MULTICAST flag; some LCM programs refuse to use it",
+                  "sudo ip link set lo multicast on");
   }
   if (through_loopback && url.ttl > 0) {
-    findings.add(Severity::kWarn,
-                 "ttl=" + std::to_string(url.ttl) +
-                     " in the LCM URL is for several machines, but multicast is routed to " +
-                     *route,
-                 use_other);
+    findings.warn("ttl=" + std::to_string(url.ttl) +
+                      " in the LCM URL is for several machines, but multicast is routed to " +
+                      *route,
+                  use_other);
   }
   if (url.ttl > 1) {
-    findings.add(Severity::kWarn,
-                 "ttl=" + std::to_string(url.ttl) +
-                     " in the LCM URL sends messages beyond routers, out of the robot's network",
-                 "set ttl=1 in lcm.url");
+    findings.warn("ttl=" + std::to_string(url.ttl) +
+                      " in the LCM URL sends messages beyond routers, out of the robot's network",
+                  "set ttl=1 in lcm.url");
   }
   const auto num_others = std::count_if(interfaces.begin(), interfaces.end(), is_other);
   if (num_others > 1 && !through_loopback) {
@@ -315,23 +319,20 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
 void check_buffers(Findings& findings, const UdpmUrl& url) {
   const std::optional<std::int64_t> limit = kernel_setting("net/core/rmem_max");
   if (!limit) {
-    findings.add(Severity::kWarn,
-                 "net.core.rmem_max cannot be read: the size of receive buffers is unknown");
+    findings.warn("net.core.rmem_max cannot be read: the size of receive buffers is unknown");
     return;
   }
   const std::int64_t wanted = std::max<std::int64_t>(url.recv_buf_size, 2 << 20);
   if (*limit < wanted) {
-    findings.add(Severity::kWarn,
-                 "receive buffers are limited to " + std::to_string(*limit) + " bytes, but " +
-                     std::to_string(wanted) + " are needed: bursts of pictures may be lost",
-                 "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted), kUntilBoot);
+    findings.warn("receive buffers are limited to " + std::to_string(*limit) + " bytes, but " +
+                      std::to_string(wanted) + " are needed: bursts of pictures may be lost",
+                  "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted), kUntilBoot);
   } else {
-    findings.add(Severity::kOk,
-                 "receive buffers may be up to " + std::to_string(*limit) + " bytes large");
+    findings.ok("receive buffers may be up to " + std::to_string(*limit) + " bytes large");
   }
   if (url.recv_buf_size == 0) {
-    findings.add(Severity::kWarn, "the LCM URL sets no receive buffer size",
-                 "add recv_buf_size=4194304 to lcm.url");
+    findings.warn("the LCM URL sets no receive buffer size",
+                  "add recv_buf_size=4194304 to lcm.url");
   }
 }
 
@@ -343,21 +344,21 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   const auto time_s = kernel_setting("net/ipv4/ipfrag_time");
   const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
   if (!time_s || !memory) {
-    findings.add(Severity::kWarn,
-                 "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read: the limits for "
-                 "message fragments are unknown");
+    findings.warn(
+        "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read: the limits for "
+        "message fragments are unknown");
     return;
   }
   const std::string text = "fragments of incomplete messages are kept for " +
                            std::to_string(*time_s) + " s in " + std::to_string(*memory) + " bytes";
   if (*time_s <= kTimeMax_s && *memory >= kMemoryMin_bytes) {
-    findings.add(Severity::kOk, text);
+    findings.ok(text);
   } else if (url.ttl == 0) {
-    findings.add(Severity::kOk, text + "; with ttl=0 messages are not fragmented");
+    findings.ok(text + "; with ttl=0 messages are not fragmented");
   } else {
-    findings.add(Severity::kWarn, text + ": after lost packets, complete messages may be lost, too",
-                 "sudo sysctl -w net.ipv4.ipfrag_time=3 net.ipv4.ipfrag_high_thresh=33554432",
-                 kUntilBoot);
+    findings.warn(text + ": after lost packets, complete messages may be lost, too",
+                  "sudo sysctl -w net.ipv4.ipfrag_time=3 net.ipv4.ipfrag_high_thresh=33554432",
+                  kUntilBoot);
   }
 }
 
@@ -365,21 +366,18 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
 /// their sockets, others need the firewall.
 void check_guard(Findings& findings, const UdpmUrl& url) {
   if (bus::socket_filters_work()) {
-    findings.add(Severity::kOk,
-                 "programs of Orchard Mapper drop malformed datagrams that would crash LCM");
+    findings.ok("programs of Orchard Mapper drop malformed datagrams that would crash LCM");
   } else {
-    findings.add(Severity::kWarn,
-                 "this kernel or container does not allow socket filters: malformed datagrams can "
-                 "crash every LCM program on this machine",
-                 kLoadGuard, kGuardNote);
+    findings.warn(
+        "this kernel or container does not allow socket filters: malformed datagrams can "
+        "crash every LCM program on this machine",
+        kLoadGuard, kGuardNote);
   }
   const std::optional<bool> arrive = runts_arrive(url);
   if (!arrive) {
-    findings.add(Severity::kOk,
-                 "it could not be tested whether the firewall protects other LCM programs");
+    findings.ok("it could not be tested whether the firewall protects other LCM programs");
   } else if (!*arrive) {
-    findings.add(Severity::kOk,
-                 "the firewall protects lcm-logger and lcm-spy from malformed datagrams");
+    findings.ok("the firewall protects lcm-logger and lcm-spy from malformed datagrams");
   } else {
     findings.add(
         url.ttl > 0 ? Severity::kWarn : Severity::kOk,
@@ -390,10 +388,9 @@ void check_guard(Findings& findings, const UdpmUrl& url) {
 
 void check_port(Findings& findings, const UdpmUrl& url) {
   const int num_sockets = num_sockets_on_port(url.port);
-  findings.add(Severity::kOk,
-               num_sockets == 0 ? "no other program uses UDP port " + std::to_string(url.port)
-                                : std::to_string(num_sockets) + " other sockets are on UDP port " +
-                                      std::to_string(url.port) + " (LCM programs share it)");
+  findings.ok(num_sockets == 0 ? "no other program uses UDP port " + std::to_string(url.port)
+                               : std::to_string(num_sockets) + " other sockets are on UDP port " +
+                                     std::to_string(url.port) + " (LCM programs share it)");
 }
 
 /// Sends messages to itself over the network, and listens to other senders meanwhile.
@@ -425,32 +422,29 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
     bus.handle(100);
   }
   if (heard_self) {
-    findings.add(Severity::kOk, "a message sent on " + lcm_url + " was received");
+    findings.ok("a message sent on " + lcm_url + " was received");
   } else {
-    findings.add(Severity::kFail,
-                 sent
-                     ? "messages sent on " + lcm_url + " are not received: check firewall and route"
-                     : "messages cannot be sent on " + lcm_url,
-                 kOpenFirewall, kFirewallNote);
+    findings.fail(
+        sent ? "messages sent on " + lcm_url + " are not received: check firewall and route"
+             : "messages cannot be sent on " + lcm_url,
+        kOpenFirewall, kFirewallNote);
   }
   std::string names;
   for (const auto& [name, offset_us] : others) names += (names.empty() ? "" : ", ") + name;
-  findings.add(Severity::kOk, others.empty()
-                                  ? "no process of Orchard Mapper is running on this network"
-                                  : "running processes: " + names);
+  findings.ok(others.empty() ? "no process of Orchard Mapper is running on this network"
+                             : "running processes: " + names);
   for (const auto& [name, offset_us] : others) {
     if (std::llabs(offset_us) < kSkew_us) continue;
-    findings.add(Severity::kWarn,
-                 "the clock of " + name + " is " +
-                     fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
-                     (offset_us > 0 ? "ahead of" : "behind") + " this machine's",
-                 "sudo systemctl restart chrony", "how to synchronise all machines: config/deploy");
+    findings.warn("the clock of " + name + " is " +
+                      fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
+                      (offset_us > 0 ? "ahead of" : "behind") + " this machine's",
+                  "sudo systemctl restart chrony",
+                  "how to synchronise all machines: config/deploy");
   }
   if (bus.counts().num_bad() > 0) {
-    findings.add(Severity::kWarn,
-                 std::to_string(bus.counts().num_bad()) +
-                     " messages on this network are invalid or not of Orchard Mapper",
-                 "set a separate port for this robot in lcm.url");
+    findings.warn(std::to_string(bus.counts().num_bad()) +
+                      " messages on this network are invalid or not of Orchard Mapper",
+                  "set a separate port for this robot in lcm.url");
   }
 }
 
@@ -477,7 +471,7 @@ int run_doctor(const DoctorOptions& options) {
       check_guard(findings, *url);
       check_traffic(findings, lcm_url);
     } catch (const std::exception& error) {
-      findings.add(Severity::kFail, error.what(), kOpenFirewall, kFirewallNote);
+      findings.fail(error.what(), kOpenFirewall, kFirewallNote);
     }
   }
   constexpr const char* kResults[] = {"all is well", "usable, with warnings",

@@ -7,22 +7,98 @@
 #include <map>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/appearance_learner.hpp"
 #include "cli/calibrate/calibration_run.hpp"
-#include "experiments/appearance/appearance_collector.hpp"
+#include "detection/detect.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "detection/trunk_view.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
 #include "io/progress_bar.hpp"
 #include "text/number_text.hpp"
+#include "vision/appearance.hpp"
+#include "vision/appearance_config.hpp"
+#include "vision/decode.hpp"
+#include "vision/exposure.hpp"
 #include "worlds/observation_csv.hpp"
 #include "worlds/observation_pair.hpp"
 
 namespace orchard {
 namespace {
+
+/// Appearance features of a window, with its scan and detection.
+struct SeenWindow {
+  std::int64_t utime = 0;  ///< of the scan
+  std::size_t index = 0;   ///< of the detection in its message
+  vision::AppearanceFeatures features{};
+};
+
+/// A node that collects the windows of all trunk candidates of the laser in every `stride`-th scan;
+/// sends nothing.
+class AppearanceCollector : public bus::Node {
+ public:
+  AppearanceCollector(const io::Config& config, int stride)
+      : rig_(config.laser, config.camera, config.detector),
+        pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
+                config.detector.use_odometry, config.camera.delay_s),
+        stride_(stride) {}
+
+  std::string_view name() const override { return "calibration"; }
+  std::vector<bus::Channel> inputs() const override {
+    if (!rig_.detector.use_odometry) return {bus::Channel::kScan, bus::Channel::kImage};
+    return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
+  }
+  void handle(const bus::Message& input, const bus::Outbox&) override {
+    if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+      for (const auto& pair : pairer_.add(*scan)) observe(pair);
+    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+      for (const auto& pair : pairer_.add(*image)) observe(pair);
+    } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+      const detection::Motion motion{odometry->utime, odometry->speed_mps,
+                                     odometry->yaw_rate_radps};
+      for (const auto& pair : pairer_.add(motion)) observe(pair);
+    }
+  }
+  void flush(const bus::Outbox&) override {
+    for (const auto& pair : pairer_.flush()) observe(pair);
+  }
+
+  const std::vector<detection::Detections>& messages() const { return messages_; }
+  const std::vector<SeenWindow>& windows() const { return windows_; }
+
+ private:
+  void observe(const detection::ScanImagePair& pair) {
+    if (!pair.image || num_pairs_++ % stride_ != 0) return;
+    detection::LaserFindings findings = detection::find_by_laser(pair.scan, rig_);
+    findings.detections.image_utime = pair.image->utime;
+    auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
+    if (!pixels) return;
+    const auto to_exposure = detection::to_picture(findings, *pair.image, rig_, pair.motion);
+    for (const vision::PixelBlock& exposed : vision::learnt_exposures(std::move(*pixels))) {
+      for (const detection::Candidate& candidate : findings.candidates) {
+        const auto view = detection::view_of(candidate.segment, rig_, to_exposure);
+        if (!view) continue;
+        windows_.push_back(
+            {findings.detections.utime, candidate.index,
+             vision::appearance_features(exposed, detection::trunk_window(*view, rig_))});
+      }
+    }
+    messages_.push_back(std::move(findings.detections));
+  }
+
+  detection::Rig rig_;
+  detection::ScanImagePairer pairer_;
+  int stride_;
+  int num_pairs_ = 0;
+  std::vector<detection::Detections> messages_;
+  std::vector<SeenWindow> windows_;
+};
 
 struct Options {
   std::vector<std::string> log_paths;          ///< drives with scans and pictures
@@ -107,6 +183,7 @@ int learn(const Options& options) {
 }
 
 }  // namespace
+
 }  // namespace orchard
 
 int main(int argc, char** argv) {

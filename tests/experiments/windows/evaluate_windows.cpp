@@ -8,7 +8,6 @@
 
 #include "bus/process/process.hpp"
 #include "cli/evaluate/mask_windows_reader.hpp"
-#include "experiments/windows/disturbance.hpp"
 #include "experiments/windows/window_evaluation.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"

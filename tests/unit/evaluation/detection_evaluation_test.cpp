@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "experiments/windows/disturbance.hpp"
 #include "experiments/windows/window_evaluation.hpp"
 
 namespace orchard::evaluation {

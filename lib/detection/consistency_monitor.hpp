@@ -67,8 +67,7 @@ class ConsistencyMonitor {
   /// object's middle [px]. Empty if the image showed none.
   void add(std::int64_t utime, const std::vector<double>& offsets_px);
 
-  /// The running median [px]; 0 until there are enough observations over enough time.
-  double median_px() const { return median_px_; }
+  /// Of the running median.
   int num_observations() const { return static_cast<int>(observations_.size()); }
   bool is_raised() const { return raised_; }
 

@@ -17,7 +17,6 @@
 #include "vision/appearance.hpp"
 #include "vision/colour.hpp"
 #include "vision/edges.hpp"
-#include "vision/exposure.hpp"
 
 namespace orchard::detection {
 namespace {

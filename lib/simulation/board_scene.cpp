@@ -12,7 +12,7 @@
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/simulator.hpp"
 #include "simulation/texture.hpp"
-#include "vision/jpeg_writer.hpp"
+#include "vision/pixel_block.hpp"
 
 namespace orchard::simulation {
 namespace {

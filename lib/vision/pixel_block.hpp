@@ -57,4 +57,31 @@ std::optional<PixelRect> window_around(double x_px, double y_px, double depth_m,
                                        double height_m, double focal_x_px, double focal_y_px,
                                        const PixelRect& picture, int min_size_px);
 
+/// Sharpness of an image, independent of its contrast.
+struct Sharpness {
+  /// Square root of gradient energy over variance of the brightness [1/px]: 2 pi / L for a wave of
+  /// length L px; any blur lowers it. Corrected for codec and sensor noise of one grey level. 0 for
+  /// a uniform area.
+  double detail_per_px = 0.0;
+  double clipped_fraction = 0.0;  ///< fraction of pixels that are all black or all white
+};
+
+/// Measures the sharpness of a block. All 0 for blocks less than 5 pixels wide or high.
+Sharpness sharpness(const PixelBlock& block);
+
+enum class JpegTransform {
+  kFast,
+  kExact,  ///< as most encoders do by default; a third slower
+};
+
+/// Encodes a block as JPEG with the given quality (1 to 100) and 4:2:0 chroma subsampling. Equal
+/// pixels give equal bytes on the same machine. Empty if the block is empty.
+std::vector<std::uint8_t> write_jpeg(const PixelBlock& block, int quality,
+                                     JpegTransform transform = JpegTransform::kFast);
+
+/// Reduces a block by `divisor` in both directions; each pixel is the mean of the pixels that it
+/// replaces. Remaining columns at the right and rows at the bottom are dropped. `area` keeps the
+/// coordinates of the original image.
+PixelBlock shrunk(const PixelBlock& block, int divisor);
+
 }  // namespace orchard::vision

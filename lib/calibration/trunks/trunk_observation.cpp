@@ -10,7 +10,6 @@
 #include "laser/segment.hpp"
 #include "vision/appearance.hpp"
 #include "vision/decode.hpp"
-#include "vision/exposure.hpp"
 
 namespace orchard::calibration {
 namespace {

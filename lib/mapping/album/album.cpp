@@ -11,8 +11,7 @@
 #include "geometry/point_grid.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/tuning.hpp"
-#include "vision/jpeg_writer.hpp"
-#include "vision/sharpness.hpp"
+#include "vision/pixel_block.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -13,7 +13,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "simulation/texture.hpp"
-#include "vision/jpeg_writer.hpp"
+#include "vision/pixel_block.hpp"
 
 namespace orchard::simulation {
 namespace {

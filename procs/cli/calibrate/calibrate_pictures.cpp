@@ -17,7 +17,6 @@
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
 #include "vision/appearance.hpp"
-#include "vision/exposure.hpp"
 
 namespace orchard::cli {
 namespace {

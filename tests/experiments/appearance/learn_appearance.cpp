@@ -25,7 +25,6 @@
 #include "vision/appearance.hpp"
 #include "vision/appearance_config.hpp"
 #include "vision/decode.hpp"
-#include "vision/exposure.hpp"
 #include "worlds/observation_csv.hpp"
 #include "worlds/observation_pair.hpp"
 

@@ -13,7 +13,6 @@
 #include "io/file_error.hpp"
 #include "vision/appearance.hpp"
 #include "vision/colour.hpp"
-#include "vision/exposure.hpp"
 
 namespace orchard {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "geometry/statistics.hpp"
-#include "vision/exposure.hpp"
+#include "vision/appearance.hpp"
 
 namespace orchard::evaluation {
 

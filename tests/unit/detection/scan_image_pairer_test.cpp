@@ -270,36 +270,5 @@ TEST(Motion, ThePictureCountsAtItsExposure) {
   EXPECT_NEAR(motion->dt_s(500.0), -0.02, 1e-12);
 }
 
-TEST(Motion, PairsWaitForTheMotionAtThePicture) {
-  ScanImagePairer pairer(0.06, 0.25, true);
-  laser::Scan scan;
-  scan.utime = 1'000'000;
-  vision::Image image;
-  image.utime = 1'030'000;
-  EXPECT_TRUE(pairer.add(scan).empty());
-  EXPECT_TRUE(pairer.add(image).empty());
-  EXPECT_TRUE(pairer.add(Motion{1'020'000, 1.0, 0.0}).empty());
-  const auto pairs = pairer.add(Motion{1'045'000, 2.0, 0.0});
-  ASSERT_EQ(pairs.size(), 1u);
-  ASSERT_TRUE(pairs[0].motion.has_value());
-  EXPECT_EQ(pairs[0].motion->speed_mps, 2.0);  // the mean since the one before
-}
-
-TEST(Motion, PairsDoNotWaitForMotionsForEver) {
-  ScanImagePairer pairer(0.06, 0.25, true);
-  laser::Scan scan;
-  scan.utime = 1'000'000;
-  vision::Image image;
-  image.utime = 1'000'000;
-  pairer.add(scan);
-  EXPECT_TRUE(pairer.add(image).empty());
-  image.utime = 1'300'000;
-  const auto pairs = pairer.add(image);
-  ASSERT_EQ(pairs.size(), 1u);
-  EXPECT_EQ(pairs[0].image->utime, 1'000'000);
-  EXPECT_FALSE(pairs[0].motion.has_value());
-  EXPECT_EQ(pairer.num_late(), 0);
-}
-
 }  // namespace
 }  // namespace orchard::detection

@@ -13,7 +13,6 @@
 #include "unit/vision/test_pictures.hpp"
 #include "vision/appearance.hpp"
 #include "vision/block_view.hpp"
-#include "vision/exposure.hpp"
 
 namespace orchard::vision {
 namespace {

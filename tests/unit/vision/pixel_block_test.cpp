@@ -6,9 +6,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "vision/jpeg_writer.hpp"
 #include "vision/pixel_block.hpp"
-#include "vision/sharpness.hpp"
 
 namespace orchard::vision {
 namespace {

@@ -113,7 +113,8 @@ std::string comparison_csv(const ComparisonContent& content) {
   return text;
 }
 
-/// compare.json as text: the same with the alignment and the counts; lengths in metres.
+}  // namespace
+
 std::string comparison_json(const ComparisonContent& content) {
   const mapping::MapAlignment& alignment = content.alignment;
   Json json;
@@ -158,8 +159,6 @@ std::string comparison_json(const ComparisonContent& content) {
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
-
-}  // namespace
 
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
   make_folder(folder, "choose another folder for the comparison");

@@ -8,11 +8,15 @@ import json
 import os
 import re
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, HERE + "/../publish"]
+import server as postgres  # noqa: E402
+from lcm_log import events  # noqa: E402
 
 BUILD, SOURCE, DATA = sys.argv[1:4]
 RECORDING = DATA + "/pullally_drive_1"
@@ -34,19 +38,6 @@ def layer(path, name):
     text = subprocess.run(["ogr2ogr", "-f", "CSV", "/vsistdout/", path, name], check=True, text=True,
                           stdout=subprocess.PIPE).stdout
     return list(csv.DictReader(text.splitlines()))
-
-
-def events(path):
-    """(channel, bytes) of each event of an LCM log."""
-    with open(path, "rb") as file:
-        data = file.read()
-    at = 0
-    while at < len(data):
-        sync, _, _, num_name, num_data = struct.unpack_from(">IqqII", data, at)
-        assert sync == 0xEDA1DA01, at
-        at += 28
-        yield data[at:at + num_name].decode(), data[at + num_name:at + num_name + num_data]
-        at += num_name + num_data
 
 
 def rows_of(numbers):
@@ -118,14 +109,38 @@ class OneMap(unittest.TestCase):
     def test_map_html(self):
         with open(self.map + "/map.html") as file:
             text = file.read()
-        rows = json.JSONDecoder().raw_decode(text, text.index('"rows":[') + 7)[0]
+        self.check_page(*(json.JSONDecoder().raw_decode(text, text.index(f'"{name}":[') + len(name) + 3)[0]
+                          for name in ("rows", "ways")))
+
+    def check_page(self, rows, ways):
         self.assertEqual({r["number"]: r["gaps"] and [g[0] for g in r["gaps"]] for r in rows},
                          {row: gaps for row, (_, gaps) in self.rows.items()})
         self.assertEqual({r["number"]: len(r["line"]) // 2 for r in rows},
                          {row: n + len(gaps) for row, (n, gaps) in self.rows.items()})
-        ways = json.JSONDecoder().raw_decode(text, text.index('"ways":[') + 7)[0]
         self.assertEqual(sorted((w["kind"], round(w["width"], 2)) for w in ways),
                          sorted((w[0], w[3]) for w in self.ways))
+
+    def test_the_live_page_at_the_end(self):
+        done = subprocess.run(["bash", HERE + "/../in_namespace.sh", sys.executable, "-B", HERE + "/live_end.py",
+                               BUILD, SOURCE + "/config/pullally.yaml", self.map + "/derived.lcm"],
+                              stdout=subprocess.PIPE, text=True)
+        if done.returncode == 77:
+            self.skipTest("no network namespaces")
+        self.assertEqual(done.returncode, 0)
+        page = json.loads(done.stdout)
+        self.assertEqual({int(i): tuple(number) for i, number in page["numbers"].items()}, self.numbers)
+        self.check_page(page["rows"], page["ways"])
+
+    def test_postgis(self):
+        try:
+            postgres.programs()
+        except SystemExit:
+            self.skipTest("no PostgreSQL with PostGIS")
+        with postgres.Server() as server:
+            run("publish", self.map, "--to", server.url(), "--block", "north", "--date", "2026-04-10")
+            lines = server.sql('SELECT id, "row", "position" FROM orchard.tree')
+        table = ([whole(number) for number in line.split("|")] for line in lines)
+        self.assertEqual({i: (row, position) for i, row, position in table}, self.numbers)
 
     def test_report(self):
         run("report", self.map, "--out", self.folder + "/report")

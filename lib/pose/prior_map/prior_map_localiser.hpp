@@ -38,7 +38,6 @@ class PriorMapLocaliser : public Localiser {
   std::optional<PoseEstimate> estimate() const override;
   std::string warning() const override;
 
-  bool is_tracking() const { return tracking_; }
   std::int64_t num_lost() const { return num_lost_; }
 
  private:

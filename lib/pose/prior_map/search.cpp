@@ -253,7 +253,6 @@ bool PriorMapSearch::step(int num_hypotheses) {
 }
 
 void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::int32_t second) {
-  ++num_hypotheses_;
   const auto& a = scorer_.evidence().trunks[seed.first];
   const auto& b = scorer_.evidence().trunks[seed.second];
   const Eigen::Vector2d from_local = b.p_local - a.p_local;

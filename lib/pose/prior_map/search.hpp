@@ -96,8 +96,6 @@ class PriorMapSearch {
 
   SearchResult result() const;
 
-  std::size_t num_hypotheses() const { return num_hypotheses_; }
-
  private:
   struct Seed {
     int first = 0, second = 0;       ///< trunks
@@ -115,7 +113,6 @@ class PriorMapSearch {
   std::vector<Seed> seeds_;
   std::size_t seed_ = 0;       ///< seed being tried
   std::size_t next_pair_ = 0;  ///< in the range of this seed
-  std::size_t num_hypotheses_ = 0;
   std::vector<PoseHypothesis> hypotheses_;
 };
 

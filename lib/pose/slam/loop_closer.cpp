@@ -358,7 +358,6 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   closure.num_operations = matcher.num_operations();
   if (hypotheses.empty()) return closure;
   const ClosureHypothesis& best = hypotheses.front();
-  closure.log_odds = best.score;
   closure.shift = best.x_y_yaw;
   for (std::size_t r = 0; r < query.recent.size(); ++r) {
     if (best.old[r] < 0) continue;

@@ -49,7 +49,6 @@ struct Closure {
   bool ambiguous = false;                           ///< a different motion fits about as well
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< x, y [m], yaw [rad]
   std::vector<std::pair<int, int>> matches;         ///< (recent, old) landmarks
-  double log_odds = 0.0;  ///< against the null hypothesis: other trees with the same regularity
   std::int64_t num_operations = 0;
 };
 

@@ -507,7 +507,6 @@ std::optional<RelativePose> ScanLoopCloser::find(const SlamMap& map) {
       place.score < kScanClosureScoreMin * place.on_known) {
     return std::nullopt;
   }
-  ambiguous_ = place.ambiguous;
   if (place.ambiguous) return std::nullopt;
   return verified(map, place.T_map_submap, recent, old);
 }
@@ -519,7 +518,6 @@ bool ScanLoopCloser::observe(SlamMap& map) {
     return false;
   }
   asked_m_ = now.travel_m;
-  ambiguous_ = false;
   const std::optional<RelativePose> found = find(map);
   if (!found) return false;
   const Eigen::Vector3d moved = between(

@@ -146,7 +146,6 @@ class ScanLoopCloser {
   /// Drops the closures that the finished graph contradicts; returns true if there were any.
   bool drop_contradicted(SlamMap& map);
 
-  bool is_ambiguous() const { return ambiguous_; }
   const LoopCounts& counts() const { return counts_; }
 
  private:
@@ -165,7 +164,6 @@ class ScanLoopCloser {
   double filling_ = 0.0;      ///< generation of points_; older points are hidden
   double asked_m_ = 0.0;      ///< travel at the last search
   int solved_keyframes_ = 0;  ///< number of keyframes when the graph was last solved for a closure
-  bool ambiguous_ = false;
   LoopCounts counts_;
 };
 

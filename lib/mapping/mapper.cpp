@@ -12,7 +12,6 @@
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
 #include "mapping/existence/ground_occupancy.hpp"
-#include "mapping/existence/spurious_landmarks.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"

@@ -59,7 +59,7 @@ class Mapper {
   /// only during the mapper's lifetime and before the next update().
   std::shared_ptr<GroundOccupancy> ground() const;
 
-  /// Ids of landmarks that never existed, judged by all scans (existence/spurious_landmarks.hpp).
+  /// Ids of landmarks that never existed, judged by all scans (spurious_landmarks()).
   /// `ground`: that of this mapper.
   std::vector<std::int32_t> spurious_ids(GroundOccupancy& ground) const;
 

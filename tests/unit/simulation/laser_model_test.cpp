@@ -21,7 +21,12 @@ namespace {
 
 /// A trunk of a scene with its truth.
 void add_trunk(Scene& scene, double x_m, double y_m, double radius_m) {
-  scene.add({x_m, y_m, radius_m, 2.0}, detection::Label::kTree, "");
+  Cylinder trunk;
+  trunk.x_m = x_m;
+  trunk.y_m = y_m;
+  trunk.radius_m = radius_m;
+  trunk.height_m = 2.0;
+  scene.add(trunk, detection::Label::kTree, "");
 }
 
 World one_cylinder(double x_m, double y_m, double radius_m) {

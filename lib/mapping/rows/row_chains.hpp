@@ -23,7 +23,6 @@ std::vector<std::size_t> seed_trees(const std::vector<Eigen::Vector2d>& p_map,
 /// Tree spacing and row directions of an orchard.
 struct RowDirections {
   double spacing_m = 0.0;                   ///< median distance to the nearest tree
-  std::vector<double> spacings_m;           ///< the same around each tree
   std::vector<Eigen::Vector2d> directions;  ///< unit vector per tree, consistently oriented
 };
 
@@ -42,5 +41,10 @@ inline std::size_t index_of(std::int32_t tree) { return static_cast<std::size_t>
 /// Distance from a point to the line segment from a to b [m]; points in one frame.
 double distance_to_segment_m(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                              const Eigen::Vector2d& b);
+
+/// Links trees that follow each other in a row. Short links are made first, so that a gap of
+/// missing trees is bridged only where no nearer tree fits. Gaps up to `gap_max_spacings`.
+std::vector<RowChain> row_chains(const std::vector<Eigen::Vector2d>& p_map,
+                                 const RowDirections& rows, double gap_max_spacings);
 
 }  // namespace orchard::mapping

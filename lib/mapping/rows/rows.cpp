@@ -96,17 +96,9 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
         lines.p_map[index_of(chain.back())] - lines.p_map[index_of(chain.front())];
     return chord.dot(forward) < tuning::kAcross_cos * chord.norm();
   };
-  std::vector<LocalRows> of_seeds;
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
-    of_seeds.push_back({guess.directions[i], guess.spacings_m[i]});
-  }
-  const std::vector<double> full(seeds.size(), 1.0);
-  std::vector<RowChain> known;
-  for (const RowTrack& track : row_tracks(p_seeds, full, of_seeds, {})) {
-    known.emplace_back();
-    for (const std::int32_t i : track.chain) {
-      known.back().push_back(static_cast<std::int32_t>(seeds[index_of(i)]));
-    }
+  std::vector<RowChain> known = row_chains(p_seeds, guess, kGapMax_slots);
+  for (RowChain& chain : known) {
+    for (std::int32_t& i : chain) i = static_cast<std::int32_t>(seeds[index_of(i)]);
   }
 
   // What the rows found so far tell of the orchard's rows decides which trees are in rows.

@@ -84,8 +84,8 @@ inline constexpr double kLinkReach_spacings = 4.5;
 inline constexpr double kAround_spacings = 0.75;
 /// Maximum turn of a row between two trees (cosine of 30 degrees).
 inline constexpr double kTurnMax_cos = 0.866;
-/// Max lateral offset of the next tree of a row, in distances of rows; and the weight of that offset
-/// in the cost of a link: the next tree should be straight ahead.
+/// Max lateral offset of the next tree of a row, in distances of rows; and the weight of that
+/// offset in the cost of a link: the next tree should be straight ahead.
 inline constexpr double kBesideMax_row_spacings = 0.35;
 inline constexpr double kCostBeside = 3.0;
 /// Chains at a larger angle to the rows (cosine of 60 degrees) are hedges or headlands.

@@ -30,7 +30,9 @@ PoseConfig as_fused(PoseConfig config) {
 
 MeasurementWaits expected_measurements(const PoseConfig& config) {
   MeasurementWaits waits_s;
-  const auto expect = [&waits_s](MeasurementKind kind, double wait_s) { waits_s[static_cast<std::size_t>(kind)] = wait_s; };
+  const auto expect = [&waits_s](MeasurementKind kind, double wait_s) {
+    waits_s[static_cast<std::size_t>(kind)] = wait_s;
+  };
   switch (config.mode) {
     case PoseMode::kStationary:
       expect(MeasurementKind::kScan, config.reorder_window_s);

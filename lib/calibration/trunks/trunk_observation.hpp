@@ -7,8 +7,8 @@
 
 #include "detection/rig.hpp"
 #include "laser/scan.hpp"
-#include "vision/appearance_config.hpp"
 #include "vision/appearance.hpp"
+#include "vision/appearance_config.hpp"
 #include "vision/colour.hpp"
 #include "vision/image.hpp"
 

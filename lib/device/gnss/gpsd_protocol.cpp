@@ -305,7 +305,8 @@ void GpsdProtocol::connected(std::int64_t host_utime) {
   deadline_ = host_utime + kSilence_us;
   // gpsd_json(5): ?WATCH. With "device" gpsd sends the reports of that receiver only.
   to_send_ = "?WATCH={\"enable\":true,\"json\":true" +
-             (config_.receiver.empty() ? "" : ",\"device\":" + json_quoted(config_.receiver)) + "};\n";
+             (config_.receiver.empty() ? "" : ",\"device\":" + json_quoted(config_.receiver)) +
+             "};\n";
 }
 
 void GpsdProtocol::receive(std::string_view bytes, std::int64_t host_utime) {

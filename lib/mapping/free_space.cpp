@@ -18,7 +18,7 @@ constexpr double kPosition_sigma = 2.0;
 
 using Eigen::Vector2d;
 
-// Codes from 1 to kFarthest are ranges.
+// derived: codes of a byte; from 1 to kFarthest they are ranges.
 constexpr std::uint8_t kSaysNothing = 0;
 constexpr std::uint8_t kFarthest = 253;
 constexpr std::uint8_t kBeyondReach = 254;

@@ -148,7 +148,7 @@ bool split(MapState& map, std::int32_t index, const Window& window, const Positi
   const auto is_nearer_second = [&](const Vector2d& p) {
     return (p - positions.second).squaredNorm() < (p - positions.first).squaredNorm();
   };
-  constexpr auto kAll = std::numeric_limits<std::size_t>::max();
+  constexpr auto kAll = std::numeric_limits<std::size_t>::max();  // derived: no limit
   std::array<std::vector<std::int32_t>, 2> chains;
   std::array<std::set<std::int32_t>, 2> scans;
   for (const std::int32_t k : observations.newest_of(map.landmarks[index].last_observation, kAll)) {

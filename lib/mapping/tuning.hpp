@@ -123,4 +123,19 @@ inline constexpr double kHiddenWorth = 0.2;
 /// Minimum ratio of worth for replacing a view.
 inline constexpr double kBetter = 1.05;
 
+// On random blocks mapped without scans, and on both drives at Pullally laid upon each other.
+
+/// Minimum fraction of inliers among the points around an anchor.
+inline constexpr double kInlierFraction = 0.4;
+/// Half width of a row, relative to the distance of the nearest tree; excludes the rows beside it.
+inline constexpr double kRowHalf = 1.5;
+/// Pairs by which the noise of a hypothesis is drawn towards that of the null hypothesis.
+inline constexpr double kNullPairs = 5.0;
+/// Fraction of true pairs outside the noise model.
+inline constexpr double kOutlierFraction = 0.05;
+/// Hypotheses with fewer pairs than this fraction of the most are no rivals.
+inline constexpr double kRivalPairsFraction = 0.2;
+/// Neighbours that share a deformation.
+inline constexpr double kBendNeighbours = 10.0;
+
 }  // namespace orchard::mapping::tuning

@@ -22,6 +22,7 @@
 namespace orchard::calibration {
 namespace {
 
+// physical: sizes of OpenCV's dictionaries.
 constexpr std::array<int, 4> kCounts{50, 100, 250, 1000};
 
 /// OpenCV's number of an ArUco dictionary by its name, such as "4x4_50"; none for an unknown name.

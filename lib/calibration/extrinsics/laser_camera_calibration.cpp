@@ -147,6 +147,7 @@ class Calibration {
   /// returns true if the size differs.
   bool find_board_scale(const std::vector<ExtrinsicsView>& views, const BoardOutline& outline,
                         const Association& stated) {
+    // derived: steps of 5 %, which refinement bridges; the nearest to the stated size first.
     // If no mount fits the stated size, start from one that fits another size.
     constexpr std::array<double, 11> kSizes{1.0, 0.9,  1.1,  0.85, 1.15, 0.8,
                                             1.2, 0.75, 1.25, 0.95, 1.05};

@@ -15,9 +15,9 @@ namespace {
 // derived: 12 observations give a scatter to 20 %; its t distribution has a variance from 4 on.
 constexpr std::size_t kMaxBins = 6;
 constexpr std::size_t kMinPerBin = 12;
-/// Min ratio of farthest to nearest bin for a fit of the growth.
+/// derived: min ratio of farthest to nearest bin, so that a slope is told from scatter.
 constexpr double kMinRatio = 1.5;
-/// The predictive t distribution has a variance from so many trunks on.
+/// derived: the predictive t distribution has a variance from so many trunks on.
 constexpr double kMinTrunks = 4.0;
 
 /// The observations of one trunk.
@@ -170,7 +170,7 @@ namespace {
 
 // derived: a scatter of means needs three; 3 sigma.
 constexpr std::size_t kFewestThings = 3;
-/// Min growth in standard errors to be significant.
+/// derived: min growth in standard errors: chance 0.003.
 constexpr double kSignificant = 3.0;
 
 struct Weighted {

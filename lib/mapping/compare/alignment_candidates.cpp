@@ -14,25 +14,23 @@
 #include "geometry/angles.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBaseline_m = 20.0;     ///< max distance of the two points of an anchor
-constexpr std::size_t kNumSupport = 40;  ///< points around the anchor used for the inlier check
-/// Minimum fraction of inliers among them.
-constexpr double kInlierFraction = 0.4;
-// Half width of a row, relative to the distance of the nearest tree; excludes the neighbouring
-// rows.
-constexpr double kRowHalf = 1.5;
+/// derived: budgets, so that a search ends within seconds: the distance of the two points of an
+/// anchor, the points around it that are checked for inliers, anchors, candidates (fewer of large
+/// maps, so that the trees of all candidates stay below kNumPairingsMax), fits; and after how many
+/// hypotheses it is enough that kNumAgreeing anchors agree.
+constexpr double kBaseline_m = 20.0;
+constexpr std::size_t kNumSupport = 40;
 constexpr std::size_t kNumAnchors = 30;
 constexpr std::size_t kNumCandidatesMax = 400;
-/// Lower limit for large maps, where the best few hypotheses are enough.
 constexpr std::size_t kNumCandidatesMin = 24;
-constexpr std::size_t kNumPairingsMax = 400 * 600;  ///< limit on the trees of all candidates
-/// After this many hypotheses, stop as soon as kNumAgreeing anchors agree.
+constexpr std::size_t kNumPairingsMax = 400 * 600;
 constexpr double kNumTriedLong = 5e5;
 constexpr int kNumAgreeing = 3;
 constexpr int kNumFitsMax = 40;
@@ -57,10 +55,10 @@ struct AlignmentHypothesis {
 /// Log-likelihood ratio of the inlier support against the null hypothesis. The noise is estimated
 /// from the inliers and, while they are few, shrunk towards that of the null hypothesis.
 double agreement(const AlignmentHypothesis& h, double null_place_m2, double null_width_m2) {
-  constexpr double kNullPoints = 5.0;
   const double n = h.num_agreeing;
   const auto gain = [n](double own, double null) {
-    return 0.5 * n * std::log(null * (n + kNullPoints) / (n * own + kNullPoints * null));
+    return 0.5 * n *
+           std::log(null * (n + tuning::kNullPairs) / (n * own + tuning::kNullPairs * null));
   };
   return 2.0 * gain(h.place_m2(), null_place_m2) + gain(h.width_m2(), null_width_m2);
 }
@@ -133,7 +131,7 @@ struct Trunks {
 /// The farthest point from `first` within the baseline; with `along`, only within about ten degrees
 /// of that axis. -1 for none.
 std::int32_t far_end(const geometry::IndexedPoints& a, std::size_t first, const Vector2d* along) {
-  constexpr double kAside = 0.17;  ///< sine of the angle
+  constexpr double kAside = 0.17;  ///< derived: sine of ten degrees
   std::int32_t farthest = -1;
   double farthest_m = 0.0;
   for (const std::int32_t i : a.within(a[first], kBaseline_m)) {
@@ -200,7 +198,7 @@ std::vector<Anchor> anchors_of(const geometry::IndexedPoints& a, std::size_t cou
       anchor.second = static_cast<std::size_t>(second);
       anchor.middle = 0.5 * (a[first] + a[anchor.second]);
       const bool in_row = second == along && second != aside;
-      anchor.support = support_of(a, anchor, in_row ? kRowHalf * row_step_m : kBaseline_m);
+      anchor.support = support_of(a, anchor, in_row ? tuning::kRowHalf * row_step_m : kBaseline_m);
       anchors.push_back(std::move(anchor));
     }
   }
@@ -231,7 +229,7 @@ Laid laid_on(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1, const V
 bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, const Laid& laid,
                  double gate_m, AlignmentHypothesis& hypothesis) {
   const auto num = static_cast<int>(anchor.support.size());
-  const int needed = std::max(3, static_cast<int>(std::ceil(kInlierFraction * num)));
+  const int needed = std::max(3, static_cast<int>(std::ceil(tuning::kInlierFraction * num)));
   int num_left = num;
   for (const std::int32_t i : anchor.support) {
     if (hypothesis.num_agreeing + num_left < needed) return false;
@@ -352,7 +350,7 @@ class Agreement {
     const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a uniform disc
     for (std::size_t k = begin; k < hypotheses.size(); ++k) {
       const AlignmentHypothesis& h = hypotheses[k];
-      constexpr double kNullWidth_m2 = 0.04 * 0.04;
+      constexpr double kNullWidth_m2 = 0.04 * 0.04;  // physical: trunks of one orchard
       const double score = agreement(h, null_place_m2, kNullWidth_m2);
       if (best != nullptr && score <= best_score) continue;
       best = &h;

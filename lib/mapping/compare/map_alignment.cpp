@@ -13,21 +13,21 @@
 #include "mapping/compare/alignment_candidates.hpp"
 #include "mapping/compare/change_posterior.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOddsNeeded = 7.0;  ///< a thousand to one
-constexpr double kSigmasNeeded = 3.0;
-constexpr double kRivalPairsFraction = 0.2;  ///< of the most pairs; those with fewer are no rivals
-constexpr double kExplainedFraction = 0.5;   ///< of the trunks that both drives could observe
-/// Max probability that the number of pairs arises by chance.
-constexpr double kChanceAllowed = 0.01;
-/// With fewer trees, objects are used too.
+constexpr double kOddsNeeded = 7.0;         ///< derived: log of a thousand to one
+constexpr double kSigmasNeeded = 3.0;       ///< derived: chance 0.003
+constexpr double kExplainedFraction = 0.5;  ///< derived: most trunks that both drives could observe
+constexpr double kChanceAllowed = 0.01;     ///< derived: that the number of pairs arises by chance
+/// derived: with fewer trees, objects are used too, as less than ten pairs can agree by chance.
 constexpr std::size_t kFewTrees = 10;
-constexpr double kSharedFrame = 0.45;  ///< fraction of the tree spacing: no other tree is that near
+/// derived: fraction of the tree spacing, under a half, so that no other tree is that near.
+constexpr double kSharedFrame = 0.45;
 
 /// Trunks of one map used for registration.
 struct AlignmentTrunks {
@@ -62,8 +62,6 @@ struct EvidenceDifference {
   double log_odds = 0.0;
   double sigmas = 0.0;  ///< Vuong's statistic
 };
-
-constexpr double kOutlierFraction = 0.05;  ///< fraction of true pairs outside the noise model
 
 double normal_density(double deviation, double sd) {
   const double u = deviation / sd;
@@ -110,7 +108,7 @@ PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
 /// Noise of pairs under the null hypothesis (lattice aliasing): the median over all hypotheses, or
 /// uniform within the gate if there are too few.
 PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses) {
-  constexpr std::size_t kNumHypothesesMin = 4;
+  constexpr std::size_t kNumHypothesesMin = 4;  // derived: the fewest with a median
   PairNoise null = of_hypotheses.front();
   if (of_hypotheses.size() < kNumHypothesesMin) {
     null.position_sd_m = 0.5 * null.gate_m;  // uniform in a disc, per axis
@@ -129,10 +127,10 @@ PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses) {
 
 /// Shrinks the noise of a hypothesis with few pairs towards that of the null hypothesis.
 PairNoise shrunk_noise(const PairNoise& own, const PairNoise& null, std::size_t num_pairs) {
-  constexpr double kNullPairs = 5.0;
   const auto n = static_cast<double>(num_pairs);
   const auto mixed = [&](double sd, double null_sd) {
-    return std::sqrt((n * sd * sd + kNullPairs * null_sd * null_sd) / (n + kNullPairs));
+    return std::sqrt((n * sd * sd + tuning::kNullPairs * null_sd * null_sd) /
+                     (n + tuning::kNullPairs));
   };
   PairNoise noise = own;
   noise.position_sd_m = mixed(own.position_sd_m, null.position_sd_m);
@@ -167,8 +165,8 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
     a_is_paired[i] = b_is_paired[j] = true;
     evidence.num_judged_b += 1.0;
     evidence.of_b[j] =
-        std::log((1.0 - kChangedFraction) * ((1.0 - kOutlierFraction) * place * width +
-                                             kOutlierFraction * anywhere * any_width(j))) -
+        std::log((1.0 - kChangedFraction) * ((1.0 - tuning::kOutlierFraction) * place * width +
+                                             tuning::kOutlierFraction * anywhere * any_width(j))) -
         of_null;
   }
   const geometry::Pose2 T_b_a = inverse(candidate.T_a_b);
@@ -218,6 +216,7 @@ struct Selection {
 
 /// Whether landmarks surround a position on all sides, so that it is inside the map.
 bool is_surrounded(const geometry::IndexedPoints& points, const Vector2d& p) {
+  // derived: two or three neighbours each way; a gap of nearly half a turn is a border
   constexpr double kReach_m = 12.0, kWidestGap_rad = 2.6;
   constexpr std::size_t kNum = 10;
   std::vector<double> angles;
@@ -285,8 +284,7 @@ double expected_under_null(const geometry::IndexedPoints& a, double num_b, doubl
 }
 
 Eigen::Matrix3d covariance_of(const geometry::IndexedPoints& b, const MapAlignment& alignment) {
-  // About ten neighbours share a deformation, which reduces the effective number of pairs.
-  constexpr double kNeighbours = 10.0;
+  // Neighbours share a deformation, which reduces the effective number of pairs.
   const double straight_m2 = alignment.position_sd_m * alignment.position_sd_m;
   const double bend_m2 = std::max(0.0, 0.5 * alignment.rms_m * alignment.rms_m - straight_m2);
   const Eigen::Matrix2d R = rotation(alignment.T_a_b);
@@ -298,7 +296,7 @@ Eigen::Matrix3d covariance_of(const geometry::IndexedPoints& b, const MapAlignme
     jacobian.col(2) = R * Vector2d(-p.y(), p.x());
     information += jacobian.transpose() * jacobian;
   }
-  return (straight_m2 + kNeighbours * bend_m2) * information.inverse();
+  return (straight_m2 + tuning::kBendNeighbours * bend_m2) * information.inverse();
 }
 
 double apart_m(const geometry::Pose2& T, const geometry::Pose2& other,
@@ -374,10 +372,10 @@ class MapAligner {
     return alignment;
   }
 
-  /// Hypotheses with at least kRivalPairsFraction of the most pairs.
+  /// Hypotheses with at least tuning::kRivalPairsFraction of the most pairs.
   std::vector<AlignmentCandidate> candidates_to_rate(std::vector<AlignmentCandidate> candidates,
                                                      std::size_t num_pairs_max) const {
-    const double least = kRivalPairsFraction * static_cast<double>(num_pairs_max);
+    const double least = tuning::kRivalPairsFraction * static_cast<double>(num_pairs_max);
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                     [&](const AlignmentCandidate& c) {
                                       return static_cast<double>(c.pairs.size()) < least ||

@@ -28,7 +28,7 @@ enum class Change {
   kThinner,  ///< thinner than before, perhaps another tree
   kNotSeen,  ///< outside, or nearly outside, the field of view of one drive
 };
-inline constexpr int kNumChanges = 7;
+inline constexpr int kNumChanges = 7;  // derived: of the list above
 
 /// Configuration of compare_maps().
 struct ComparisonConfig {

@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// derived: the number of range bins.
 constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
 
 using Rates = std::array<double, kNumRanges>;

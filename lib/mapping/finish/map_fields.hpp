@@ -11,7 +11,7 @@ namespace orchard::mapping {
 struct LandmarkFields {
   template <class M, class Visitor>
   static void visit(M& m, Visitor& v) {
-    constexpr double kFar_m = pose::kCoordinateMax_m;
+    constexpr double kFar_m = pose::kCoordinateMax_m;  // derived: of any coordinate
     v.field("id", m.id, 0, INT32_MAX);
     v.field("label", m.label, 0, 2);
     v.field("num_observations", m.num_observations, 0, INT32_MAX);
@@ -73,7 +73,7 @@ struct WayFields {
 struct MapWaysFields {
   template <class M, class Visitor>
   static void visit(M& m, Visitor& v) {
-    constexpr double kFar_m = pose::kCoordinateMax_m;
+    constexpr double kFar_m = pose::kCoordinateMax_m;  // derived: of any coordinate
     v.stamp(m.utime, m.seq);
     v.count("num_long_objects", m.long_objects);
     v.count("num_ways", m.ways);

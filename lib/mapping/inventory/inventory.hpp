@@ -22,7 +22,7 @@ struct Growth {
   }
 };
 
-/// Growth by row of the later map, 0 for no row; the total under kGrowthOfAll.
+/// derived: no row has this number. Growth by row of the later map, 0 for no row; the total here.
 inline constexpr std::int32_t kGrowthOfAll = -1;
 using GrowthByRow = std::map<std::int32_t, Growth>;
 

@@ -20,14 +20,15 @@ namespace {
 using Eigen::Vector2d;
 using geometry::Pose2;
 
-/// Odds of a thousand to one with four trees counted as one, because neighbouring trees deviate
-/// from the plan together.
+/// derived: odds of a thousand to one with four trees counted as one, because neighbouring trees
+/// deviate from the plan together.
 constexpr double kPlacementOddsNeeded = 4.0 * 7.0;
-constexpr double kMappedFractionMin = 0.5;  ///< min fraction of the mapped trees in pairs
-constexpr std::size_t kNumTurns = 6;        ///< max number of directions examined
-constexpr std::size_t kNumShifts = 40;      ///< max number of shifts per direction
+constexpr double kMappedFractionMin = 0.5;  ///< derived: most mapped trees are in pairs
+/// derived: budgets of directions, of shifts of each, and of placements that are refined.
+constexpr std::size_t kNumTurns = 6;
+constexpr std::size_t kNumShifts = 40;
 constexpr std::size_t kNumPlacementsMax = 12;
-constexpr double kPositionSdMin_m = 0.03;
+constexpr double kPositionSdMin_m = 0.03;  ///< physical: how well a person plants
 
 class PlanFitter {
  public:
@@ -57,7 +58,7 @@ class PlanFitter {
  private:
   /// Density of planned trees, from the number of neighbours of each.
   double density() const {
-    constexpr double kReachOfSpacings = 6.0;
+    constexpr double kReachOfSpacings = 6.0;  // derived: some hundred neighbours
     const double reach_m = std::max(1.0, kReachOfSpacings * spacing_m_);
     std::vector<double> counts;
     const std::size_t step = std::max<std::size_t>(1, planned_.size() / 200);
@@ -75,7 +76,7 @@ class PlanFitter {
 
   /// One placement per direction, those with most pairs.
   std::vector<Pose2> turns() const {
-    constexpr double kOneTurn_rad = 0.03;
+    constexpr double kOneTurn_rad = 0.03;  // derived: one spacing in thirty
     const std::vector<double> alike_a(mapped_.size(), 0.1), alike_b(planned_.size(), 0.1);
     const AlignmentCandidates found =
         alignment_candidates(mapped_, alike_a, planned_, alike_b, search_);
@@ -102,7 +103,7 @@ class PlanFitter {
   /// Placements in the direction of `turn`, for every shift that puts many planned positions onto
   /// trees.
   std::vector<PlanPlacement> shifts_of(const Pose2& turn) const {
-    constexpr std::size_t kNumAnchors = 80;
+    constexpr std::size_t kNumAnchors = 80;  // derived: a budget
     std::vector<std::size_t> order(mapped_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
@@ -168,7 +169,7 @@ class PlanFitter {
 
   /// Iteratively reweighted least squares over the pairs.
   PlanPlacement refined(const Pose2& begin) const {
-    constexpr int kNumRounds = 6;
+    constexpr int kNumRounds = 6;  // derived: reweighting settles earlier
     PlanPlacement placement;
     placement.T_map_plan = begin;
     for (int round = 0; round < kNumRounds; ++round) {
@@ -194,7 +195,7 @@ class PlanFitter {
   }
 
   void add_distinct(PlanPlacement placement, std::vector<PlanPlacement>& placements) const {
-    constexpr double kOneTurn_rad = 0.03;
+    constexpr double kOneTurn_rad = 0.03;  // derived: one spacing in thirty
     for (PlanPlacement& known : placements) {
       if (apart_m(known.T_map_plan, placement.T_map_plan) > 0.5 * spacing_m_ ||
           std::abs(geometry::wrap_angle_rad(known.T_map_plan.yaw_rad -

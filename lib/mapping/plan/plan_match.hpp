@@ -46,7 +46,7 @@ enum class PlanDeviation {
   kNotSeen,     ///< no tree, but the drive did not observe the position well enough
   kExtra,       ///< a mapped tree that is not planned
 };
-inline constexpr int kNumPlanDeviations = 5;
+inline constexpr int kNumPlanDeviations = 5;  // derived: of the list above
 
 /// Text of a deviation in files: as_planned, missing, ...
 const char* deviation_text(PlanDeviation deviation);

@@ -52,7 +52,7 @@ using Eigen::Vector2d;
 
 constexpr double kBeside_m = 0.1;  ///< derived: of candidate lines, under a third of a corridor
 constexpr int kTurnMax = 2;        ///< derived: offsets from one station to the next: 22 degrees
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();  // derived: no obstacle
 
 /// Clearance at each station and lateral offset of a guide.
 class ClearanceTable {
@@ -248,8 +248,8 @@ std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obsta
 namespace {
 
 constexpr double kWayStep_m = 0.5;  ///< derived: of an edge's points: shorter than any vehicle
-constexpr double kWidestAlley =
-    2.5;  ///< derived: times the median distance: one row may be missing
+/// derived: times the median distance: one row may be missing.
+constexpr double kWidestAlley = 2.5;
 constexpr double kSideReach_m = 15.0;  ///< derived: twice the alley of a wide planting
 
 Line line_of(const Row& row) {

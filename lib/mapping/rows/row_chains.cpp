@@ -77,8 +77,8 @@ std::vector<std::size_t> seed_trees(const std::vector<Vector2d>& p_map,
 
 namespace {
 
-constexpr int kNumAngles = 60;  ///< derived: over half a turn
-constexpr double kAngleStep_rad = geometry::kPi / kNumAngles;
+constexpr int kNumAngles = 60;                                 ///< derived: over half a turn
+constexpr double kAngleStep_rad = geometry::kPi / kNumAngles;  ///< derived: from it
 /// derived: Lateral tolerance of a line, in spacings: the displacement of the line at its reach by
 /// half an angle step.
 constexpr double kBeside_spacings = 0.1;
@@ -138,6 +138,7 @@ void normalise(Votes& votes) {
 }
 
 Votes blurred(const Votes& votes) {
+  // derived: binomial weights, nearly
   constexpr std::array<float, 5> kKernel{0.06f, 0.24f, 0.4f, 0.24f, 0.06f};
   std::array<float, kNumAngles + 4> around;  // half a turn, with two more on each side
   std::copy(votes.end() - 2, votes.end(), around.begin());
@@ -266,7 +267,7 @@ double distance_to_segment_m(const Vector2d& p, const Vector2d& a, const Vector2
 
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNone = -1;  // derived: no index
 
 struct Step {
   double along_m = 0.0;   ///< positive ahead

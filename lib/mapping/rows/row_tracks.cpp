@@ -205,7 +205,7 @@ constexpr double kStraightest_m = 0.01;
 /// derived: Of an exponential distribution 95 % are within this many means.
 constexpr double kInLine_means = 3.0;
 
-constexpr std::int32_t kNoTree = -1;
+constexpr std::int32_t kNoTree = -1;  // derived: no index
 
 /// A possible step to a tree from an earlier one.
 struct Edge {

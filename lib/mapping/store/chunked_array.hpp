@@ -87,6 +87,7 @@ class ChunkedArray {
     while ((sizeof(Row) << (shift + 1)) <= ChunkAllocator::kChunkBytes) ++shift;
     return shift;
   }
+  // derived: from the size of a row
   static constexpr std::size_t kShift = shift();
   static constexpr std::size_t kMask = (std::size_t{1} << kShift) - 1;
 

@@ -73,7 +73,7 @@ Drive drive(const SlamWorld& world, std::uint64_t seed) {
   run(world, seed,
       {[&](const Odometry& o) { slam.add(o); },
        [&](const detection::Detections& seen) {
-         slam.add(seen);
+         slam.add(Measurement(seen));
          live = slam.estimate();
          if (++num_scans % 500 == 0) {
            d.operations.push_back(slam.num_operations() - operations);
@@ -237,8 +237,8 @@ TEST(TrunkSlam, ARefutedLoopClosureLeavesNoTrace) {
          untried.add(o);
        },
        [&](const detection::Detections& seen) {
-         tried.add(seen);
-         untried.add(seen);
+         tried.add(Measurement(seen));
+         untried.add(Measurement(seen));
          ++num_scans;
          num_corrections_tried += tried.take_correction().has_value();
          num_corrections_untried += untried.take_correction().has_value();
@@ -271,7 +271,7 @@ TEST(TrunkSlam, AbsolutePositionsGeoreferenceTheMapAndKeepItThere) {
   double worst_m = 0.0;
   run(world, 9,
       {[&](const Odometry& o) { slam.add(o); },
-       [&](const detection::Detections& seen) { slam.add(seen); },
+       [&](const detection::Detections& seen) { slam.add(Measurement(seen)); },
        [&](std::int64_t utime, const Eigen::Vector3d& T_map_base) {
          ++num_scans;
          if (num_scans % 2 == 0) {

@@ -57,7 +57,7 @@ void run_ours(const bench::RecordedDrive& drive, const std::string& folder) {
   const std::clock_t began = std::clock();
   for (std::size_t i = 0; i < drive.steps.size(); ++i) {
     for (const pose::Odometry& odometry : drive.odometry[i]) slam.add(odometry);
-    slam.add(drive.steps[i].seen);
+    slam.add(pose::Measurement(drive.steps[i].seen));
     const auto pose = slam.estimate();
     path.push_back(pose ? Point{pose->x_m, pose->y_m} : Point{});
     slam.take_correction();

@@ -27,7 +27,8 @@ namespace {
 
 constexpr double kFanSigmas = 3.0;  ///< derived: range of rotations tried, to each side
 constexpr int kFanStepsMax = 30;    ///< derived: to each side
-constexpr int kRefinements = 5;     ///< derived: halvings of a step: to a thirtieth
+
+constexpr int kRefinements = 5;
 
 double kernel(double distance_m, double width_m) {
   const double u = distance_m / width_m;

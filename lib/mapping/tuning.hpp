@@ -123,7 +123,7 @@ inline constexpr double kHiddenWorth = 0.2;
 /// Minimum ratio of worth for replacing a view.
 inline constexpr double kBetter = 1.05;
 
-// On random blocks mapped without scans, and on both drives at Pullally laid upon each other.
+// For laying two maps upon each other; on which data they were chosen is not recorded.
 
 /// Minimum fraction of inliers among the points around an anchor.
 inline constexpr double kInlierFraction = 0.4;

@@ -68,7 +68,7 @@ HueInterval hue_interval(const vision::HueHistogram& hues, double tail, double m
 
 namespace {
 
-/// derived: ten scans of a slow scanner. Max time between two associated observations of an object
+/// Max time between two associated observations of an object
 /// without poses.
 constexpr std::int64_t kLostAfter_us = 1'000'000;
 // derived: 1 of 2000 normal deviations is larger.

@@ -15,7 +15,8 @@ namespace {
 // derived: 12 observations give a scatter to 20 %; its t distribution has a variance from 4 on.
 constexpr std::size_t kMaxBins = 6;
 constexpr std::size_t kMinPerBin = 12;
-/// derived: min ratio of farthest to nearest bin, so that a slope is told from scatter.
+
+/// Min ratio of farthest to nearest bin for a fit of the growth.
 constexpr double kMinRatio = 1.5;
 /// derived: the predictive t distribution has a variance from so many trunks on.
 constexpr double kMinTrunks = 4.0;

@@ -350,7 +350,7 @@ class Agreement {
     const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a uniform disc
     for (std::size_t k = begin; k < hypotheses.size(); ++k) {
       const AlignmentHypothesis& h = hypotheses[k];
-      constexpr double kNullWidth_m2 = 0.04 * 0.04;  // physical: trunks of one orchard
+      constexpr double kNullWidth_m2 = 0.04 * 0.04;
       const double score = agreement(h, null_place_m2, kNullWidth_m2);
       if (best != nullptr && score <= best_score) continue;
       best = &h;

@@ -24,8 +24,10 @@ constexpr double kOddsNeeded = 7.0;         ///< derived: log of a thousand to o
 constexpr double kSigmasNeeded = 3.0;       ///< derived: chance 0.003
 constexpr double kExplainedFraction = 0.5;  ///< derived: most trunks that both drives could observe
 constexpr double kChanceAllowed = 0.01;     ///< derived: that the number of pairs arises by chance
-/// derived: with fewer trees, objects are used too, as less than ten pairs can agree by chance.
+
+/// With fewer trees, objects are used too.
 constexpr std::size_t kFewTrees = 10;
+
 /// derived: fraction of the tree spacing, under a half, so that no other tree is that near.
 constexpr double kSharedFrame = 0.45;
 
@@ -216,7 +218,6 @@ struct Selection {
 
 /// Whether landmarks surround a position on all sides, so that it is inside the map.
 bool is_surrounded(const geometry::IndexedPoints& points, const Vector2d& p) {
-  // derived: two or three neighbours each way; a gap of nearly half a turn is a border
   constexpr double kReach_m = 12.0, kWidestGap_rad = 2.6;
   constexpr std::size_t kNum = 10;
   std::vector<double> angles;

@@ -28,7 +28,8 @@ constexpr double kMappedFractionMin = 0.5;  ///< derived: most mapped trees are 
 constexpr std::size_t kNumTurns = 6;
 constexpr std::size_t kNumShifts = 40;
 constexpr std::size_t kNumPlacementsMax = 12;
-constexpr double kPositionSdMin_m = 0.03;  ///< physical: how well a person plants
+
+constexpr double kPositionSdMin_m = 0.03;
 
 class PlanFitter {
  public:
@@ -58,7 +59,7 @@ class PlanFitter {
  private:
   /// Density of planned trees, from the number of neighbours of each.
   double density() const {
-    constexpr double kReachOfSpacings = 6.0;  // derived: some hundred neighbours
+    constexpr double kReachOfSpacings = 6.0;
     const double reach_m = std::max(1.0, kReachOfSpacings * spacing_m_);
     std::vector<double> counts;
     const std::size_t step = std::max<std::size_t>(1, planned_.size() / 200);
@@ -76,7 +77,7 @@ class PlanFitter {
 
   /// One placement per direction, those with most pairs.
   std::vector<Pose2> turns() const {
-    constexpr double kOneTurn_rad = 0.03;  // derived: one spacing in thirty
+    constexpr double kOneTurn_rad = 0.03;
     const std::vector<double> alike_a(mapped_.size(), 0.1), alike_b(planned_.size(), 0.1);
     const AlignmentCandidates found =
         alignment_candidates(mapped_, alike_a, planned_, alike_b, search_);
@@ -169,7 +170,7 @@ class PlanFitter {
 
   /// Iteratively reweighted least squares over the pairs.
   PlanPlacement refined(const Pose2& begin) const {
-    constexpr int kNumRounds = 6;  // derived: reweighting settles earlier
+    constexpr int kNumRounds = 6;
     PlanPlacement placement;
     placement.T_map_plan = begin;
     for (int round = 0; round < kNumRounds; ++round) {
@@ -195,7 +196,7 @@ class PlanFitter {
   }
 
   void add_distinct(PlanPlacement placement, std::vector<PlanPlacement>& placements) const {
-    constexpr double kOneTurn_rad = 0.03;  // derived: one spacing in thirty
+    constexpr double kOneTurn_rad = 0.03;
     for (PlanPlacement& known : placements) {
       if (apart_m(known.T_map_plan, placement.T_map_plan) > 0.5 * spacing_m_ ||
           std::abs(geometry::wrap_angle_rad(known.T_map_plan.yaw_rad -

@@ -23,8 +23,9 @@ struct PoseEstimate {
 
 /// The corrected past trajectory: T_map_base at key times, in ascending order of utime. Each
 /// revision replaces the previous one completely. Between two key times a consumer interpolates the
-/// correction relative to the published POSE, not the poses themselves. A trajectory corrects POSE
-/// before `utime`; later ones were published with the correction included.
+/// correction relative to the published POSE, not the poses themselves; where POSE leapt, both
+/// sides are key times. A trajectory corrects POSE before `utime`; later ones were published with
+/// the correction included.
 struct Trajectory {
   std::int64_t utime = 0;           ///< of the newest measurement used
   std::int32_t revision = 1;        ///< +1 per correction

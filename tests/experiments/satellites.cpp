@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a receiver that comes in bursts makes of the path, seed by seed: mode fused. Errors outside
-// of gaps, and in each as a fraction of the way driven in it.
+// of gaps, and in each as a fraction of the way driven in it. And what a mapper makes of it, which
+// corrects the poses told by each trajectory: its error, and by how much a step of it is too long.
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "io/config/config.hpp"
 #include "pose/filter/fusion.hpp"
 #include "simulation/simulator.hpp"
+#include "worlds/mapped_path.hpp"
 
 namespace {
 
@@ -44,6 +47,11 @@ struct Errors {
 
 struct PathPoint {
   double time_s, x_m, y_m;
+};
+
+/// The mapper's path at the end, against the truth.
+struct JudgedTrack {
+  double rms_m = 0.0, excess_most_m = 0.0;
 };
 
 double seconds(std::int64_t utime) {
@@ -89,6 +97,24 @@ Judged judge(const std::vector<PathPoint>& path, const std::vector<Gap>& gaps,
   return judged;
 }
 
+JudgedTrack judge(const std::vector<pose::PoseEstimate>& path, const simulation::Scene& scene) {
+  Errors errors;
+  JudgedTrack judged;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const pose::PoseEstimate& b = path[i];
+    const simulation::Pose2 true_b = scene.path.pose_at(seconds(b.utime));
+    errors.add(std::hypot(b.x_m - true_b.x_m, b.y_m - true_b.y_m));
+    if (i == 0) continue;
+    const pose::PoseEstimate& a = path[i - 1];
+    const simulation::Pose2 true_a = scene.path.pose_at(seconds(a.utime));
+    judged.excess_most_m = std::max(
+        judged.excess_most_m, std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) -
+                                  std::hypot(true_b.x_m - true_a.x_m, true_b.y_m - true_a.y_m));
+  }
+  judged.rms_m = errors.rms_m();
+  return judged;
+}
+
 void run(const io::Config& config, simulation::SceneKind kind, unsigned long seed) {
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
                                   config.laser_rear};
@@ -98,6 +124,7 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   const auto& datum = config.simulation.motion.datum;
   const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
   std::vector<PathPoint> live, smooth;
+  MappedPath mapped(config.mapper.pose_gap_max_s);
   std::vector<Gap> gaps;
   double last_fix_s = 0.0, left_out_since_s = -1.0, left_out_most_s = 0.0;
   int num_fixes = 0, num_good_left_out = 0;
@@ -112,13 +139,12 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
     }
     gaps.push_back({last_fix_s, now_s + 1e-3, way_m});
   };
-  const auto take_correction = [&] {
-    if (const auto trajectory = localiser.take_correction()) {
-      smooth.clear();
-      for (const auto& p : trajectory->poses) smooth.push_back({seconds(p.utime), p.x_m, p.y_m});
-      const auto& last = trajectory->poses.back();
-      nees_smooth = nees2(last, simulator.scene().path.pose_at(seconds(last.utime)));
-    }
+  const auto use = [&](const std::optional<pose::Trajectory>& trajectory) {
+    if (!trajectory) return;
+    smooth.clear();
+    for (const auto& p : trajectory->poses) smooth.push_back({seconds(p.utime), p.x_m, p.y_m});
+    const auto& last = trajectory->poses.back();
+    nees_smooth = nees2(last, simulator.scene().path.pose_at(seconds(last.utime)));
   };
   while (const auto message = simulator.next()) {
     if (const auto* odometry = std::get_if<pose::Odometry>(&*message)) {
@@ -150,7 +176,7 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
     } else {
       continue;
     }
-    take_correction();
+    use(mapped.hear(localiser));
     if (const auto estimate = localiser.estimate()) {
       const double time_s = seconds(estimate->utime);
       if (live.empty() || time_s > live.back().time_s) {
@@ -160,10 +186,10 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
     }
   }
   add_gap(simulator.scene().path.duration_s() + 1.0);
-  localiser.finish();
-  take_correction();
+  use(mapped.finish(localiser));
   const Judged now = judge(live, gaps, simulator.scene());
   const Judged then = judge(smooth, gaps, simulator.scene());
+  const JudgedTrack driven = judge(mapped.poses(), simulator.scene());
   trials::print_json({{"seed", seed},
                       {"fixes", num_fixes},
                       {"gaps", gaps.size()},
@@ -171,6 +197,11 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
                       {"told_most_m", now.outside.most_m},
                       {"smoothed_m", then.outside.rms_m()},
                       {"smoothed_most_m", then.outside.most_m},
+                      {"path_m", std::sqrt((then.outside.sum2 + then.inside.sum2) /
+                                           std::max(1, then.outside.num + then.inside.num))},
+                      {"mapped_m", driven.rms_m},
+                      {"mapped_step_m", driven.excess_most_m},
+                      {"key_poses", smooth.size()},
                       {"worst_gap", then.fraction_worst},
                       {"gaps_good", then.num_fractions_good},
                       {"good_left_out", num_good_left_out},

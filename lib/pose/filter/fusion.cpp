@@ -99,6 +99,7 @@ void Fusion::add(const Measurement& measurement) {
   if (const auto* fix = std::get_if<PoseFix>(&measurement); fix && config_.fusion.use_fixes) {
     add(*fix);
   }
+  if (smoother_ && is_placed_) smoother_->tell(*utime_, path_pose());
 }
 
 void Fusion::add(const Odometry& odometry) {
@@ -415,6 +416,11 @@ std::string Fusion::warning() const {
           "it is open which positions were displaced, e.g. by reflected signals: the path is the "
           "mean of several, {:.1f} m apart (one sigma) where they differ most; ",
           smoother_->open_sd_m());
+    }
+    if (smoother_ && smoother_->is_doubtful()) {
+      all +=
+          "the positions contradict each other or the wheels: the path may be wrong by far more "
+          "than it says; ";
     }
     if (num_frozen_ > 0)
       all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);

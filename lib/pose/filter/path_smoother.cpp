@@ -153,6 +153,15 @@ void PathSmoother::add(std::int64_t utime, AbsolutePosition position,
   add_position(position, graph_);
 }
 
+void PathSmoother::tell(std::int64_t utime, const Eigen::Vector3d& T_map_base) {
+  if (graph_.keyframes.empty()) return;
+  const Eigen::Vector3d since = arc_motion(motion_.speed_mps(), motion_.yaw_rate_radps(),
+                                           timing::seconds(utime - motion_.utime()));
+  told_.tell({utime, static_cast<int>(graph_.keyframes.size()) - 1,
+              geometry::compose(motion_.motion().delta_with(graph_.calibrations.back()), since)},
+             T_map_base, graph_);
+}
+
 void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
   apply_georeference(T_map_local, graph_);
 }
@@ -185,13 +194,21 @@ void PathSmoother::finish(const std::vector<DisplacementHistory>& histories) {
     add_keyframe(geometry::compose(last.T_map_base,
                                    motion_.motion().delta_with(graph_.calibrations.back())));
   }
-  if (!solve(histories.front().displaced)) return;
-  const SlamGraph likeliest = graph_;
-  std::vector<CrediblePath> paths{{histories.front().probability, path()}};
-  for (std::size_t i = 1; i < histories.size(); ++i) {
-    if (solve(histories[i].displaced)) paths.push_back({histories[i].probability, path()});
-    graph_ = likeliest;
-  }
+  told_.end(graph_);
+  std::optional<SlamGraph> likeliest;
+  std::vector<CrediblePath> paths;
+  const auto try_history = [&](const DisplacementHistory& history, bool is_last_resort) {
+    if (solve(history.displaced, is_last_resort)) {
+      paths.push_back({history.probability, told_.key_poses(graph_)});
+      if (!likeliest) likeliest = graph_;
+    }
+    if (likeliest) graph_ = *likeliest;
+  };
+  for (const DisplacementHistory& history : histories) try_history(history, false);
+  // Without any, the path would be the poses told, with all their jumps.
+  is_doubtful_ = paths.empty();
+  if (is_doubtful_) try_history(histories.front(), true);
+  if (paths.empty()) return;
   mean_ = mean_path(paths);
   open_sd_m_ = notable_spread_m(paths);
 }
@@ -232,7 +249,7 @@ bool PathSmoother::is_plausible() const {
   return (graph_.calibration_walk_sd.array() <= most).all();
 }
 
-bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced) {
+bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced, bool is_last_resort) {
   mark_displaced(displaced, graph_);
   num_solved_ = static_cast<int>(graph_.keyframes.size());
   close_gap();
@@ -248,7 +265,8 @@ bool PathSmoother::solve(const std::vector<DisplacedTime>& displaced) {
     if (!solution.solved) return false;
     out = left_out();
   }
-  if (out.num_contradicting > kLeftOutMax * out.num_fixes || !is_plausible()) {
+  const bool is_good = out.num_contradicting <= kLeftOutMax * out.num_fixes && is_plausible();
+  if (!is_good && !is_last_resort) {
     graph_ = std::move(before);  // too many positions contradict the solution, or the wheels do
     return false;
   }
@@ -287,17 +305,9 @@ std::optional<Trajectory> PathSmoother::take_correction() {
   Trajectory trajectory;
   trajectory.utime = motion_.utime();
   trajectory.revision = ++revision_;
-  trajectory.poses = mean_.empty() ? path() : mean_;
+  trajectory.poses = mean_.empty() ? told_.key_poses(graph_) : mean_;
+  told_.correct(graph_);
   return trajectory;
-}
-
-std::vector<PoseEstimate> PathSmoother::path() const {
-  std::vector<PoseEstimate> poses;
-  poses.reserve(graph_.keyframes.size());
-  for (const Keyframe& k : graph_.keyframes) {
-    poses.push_back(pose_estimate(k.utime, k.T_map_base, k.covariance));
-  }
-  return poses;
 }
 
 }  // namespace orchard::pose

@@ -10,6 +10,7 @@
 #include "pose/filter/fusion_filter.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
+#include "pose/graph/told_path.hpp"
 #include "pose/motion.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
@@ -55,6 +56,10 @@ class PathSmoother {
   /// Adds a position of a point on base; sets its T_keyframe_then and utime.
   void add(std::int64_t utime, AbsolutePosition position, const Eigen::Vector3d& T_map_base);
 
+  /// Adds the pose told at a time at or after the last measurement, T_map_base, before which
+  /// take_correction() is to be asked.
+  void tell(std::int64_t utime, const Eigen::Vector3d& T_map_base);
+
   /// Transforms the path so far to map, once the filter has found its pose there.
   void place(const Eigen::Vector3d& T_map_local);
 
@@ -64,9 +69,11 @@ class PathSmoother {
   std::optional<SmoothedPose> observe(const std::vector<DisplacedTime>& displaced);
 
   /// Solves with all measurements, at the end of the drive, by each of these histories, the
-  /// likeliest first: the path is the mean of theirs.
+  /// likeliest first: the path is the mean of those that wheels could have driven, or that of the
+  /// likeliest.
   void finish(const std::vector<DisplacementHistory>& histories);
 
+  /// Returns the path after a solve; it also has both sides of each jump of the poses told.
   std::optional<Trajectory> take_correction();
 
   /// Returns the process noise of the wheels' errors by the last solve; none before the first.
@@ -79,17 +86,21 @@ class PathSmoother {
   /// deviation where it is largest [m]; 0 if they are as one.
   double open_sd_m() const { return open_sd_m_; }
 
+  /// Returns true if no history gave a path at the end that the wheels could have driven and most
+  /// positions bear out: it may be wrong by much more than it says.
+  bool is_doubtful() const { return is_doubtful_; }
+
  private:
   void close_gap();
   bool is_plausible() const;
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
-  bool solve(const std::vector<DisplacedTime>& displaced);
-  std::vector<PoseEstimate> path() const;
+  bool solve(const std::vector<DisplacedTime>& displaced, bool is_last_resort = false);
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamGraph graph_;
+  ToldPath told_;
   int num_solved_ = 0;
   double position_travel_m_ = 0.0;      ///< travel at the last position
   std::size_t position_keyframe_ = 0;   ///< its keyframe
@@ -97,6 +108,7 @@ class PathSmoother {
   std::size_t before_gap_ = 0;          ///< the last keyframe before that gap
   std::int32_t revision_ = 0;
   bool corrected_ = false;
+  bool is_doubtful_ = false;
   std::vector<PoseEstimate> mean_;  ///< of the paths of all histories, at the end
   double open_sd_m_ = 0.0;
 };

@@ -78,6 +78,14 @@ void TrunkSlam::add(const Measurement& measurement) {
   } else if (const auto* gnss = std::get_if<Gnss>(&measurement)) {
     if (config_.use_gnss) add(*gnss);
   }
+  tell();
+}
+
+void TrunkSlam::tell() {
+  if (map_.empty()) return;
+  const Eigen::Vector3d delta = motion_.motion().delta_with(map_.newest_calibration());
+  told_.tell({motion_.utime(), map_.newest(), delta},
+             compose(map_.graph.keyframes.back().T_map_base, delta), map_.graph);
 }
 
 /// Returns the covariance of the motion since the keyframe, including that of the odometry
@@ -239,6 +247,7 @@ void TrunkSlam::finish() {
   map_.solve(SolveReason::kEndOfDrive);
   closer_.merge_duplicate_landmarks(map_);
   if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
+  told_.end(map_.graph);
   at_end_ = {rejected_fixes_text(rejected_fixes(map_.graph)), receiver_text(map_.graph)};
 }
 
@@ -259,10 +268,8 @@ std::optional<Trajectory> TrunkSlam::take_correction() {
   Trajectory trajectory;
   trajectory.utime = motion_.utime();
   trajectory.revision = ++revision_;
-  trajectory.poses.reserve(map_.graph.keyframes.size());
-  for (const Keyframe& k : map_.graph.keyframes) {
-    trajectory.poses.push_back(pose_estimate(k.utime, k.T_map_base, k.covariance));
-  }
+  trajectory.poses = told_.key_poses(map_.graph);
+  told_.correct(map_.graph);
   return trajectory;
 }
 

@@ -10,6 +10,7 @@
 
 #include "detection/detection.hpp"
 #include "pose/filter/gnss_positions.hpp"
+#include "pose/graph/told_path.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurements.hpp"
 #include "pose/motion.hpp"
@@ -79,6 +80,7 @@ class TrunkSlam : public Localiser {
   void add_keyframe();
   void add_blind_keyframe();
   void correct();
+  void tell();
   void watch(std::int64_t utime);
   double end_sd_m() const;
   std::string problem() const;
@@ -95,6 +97,7 @@ class TrunkSlam : public Localiser {
   SlamTracker tracker_;
   LoopCloser closer_;
   ScanLoopCloser scan_loop_closer_;
+  ToldPath told_;
   std::int32_t revision_ = 0;
   std::int64_t scan_utime_ = 0;  ///< utime of the last scan
   std::int64_t driven_us_ = 0;   ///< total time between scans

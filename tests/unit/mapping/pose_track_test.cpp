@@ -92,6 +92,28 @@ TEST(PoseTrack, BetweenKeyTimesTheCorrectionIsInterpolatedAndTheMotionKept) {
   EXPECT_NEAR(track.at(4000000)->y_m, 1.0, 1e-12);
 }
 
+TEST(PoseTrack, AJumpWithKeyPosesAtBothSidesIsGone) {
+  // Told: along x at 1 m/s, but 98 m aside from 1.988 s on and back from 3 s on.
+  PoseTrack track(2.0);
+  const auto told = [](std::int64_t utime) {
+    pose::PoseEstimate pose = pose_at(utime, 1e-6 * static_cast<double>(utime), 0.0);
+    pose.y_m = utime >= 1988000 && utime < 3000000 ? 98.0 : 0.0;
+    return pose;
+  };
+  std::vector<std::int64_t> times{1976000, 1988000};
+  for (std::int64_t t = 0; t <= 5000000; t += 100000) times.push_back(t);
+  for (const std::int64_t t : times) track.add(told(t));
+  std::vector<pose::PoseEstimate> keys;
+  for (const std::int64_t t : {0, 1500000, 1976000, 1988000, 2900000, 3000000, 4500000}) {
+    keys.push_back(pose_at(t, 1e-6 * static_cast<double>(t), 0.0));
+  }
+  track.correct(trajectory_of(5000001, keys));
+  for (const pose::PoseEstimate& pose : track.poses()) {
+    EXPECT_NEAR(pose.x_m, 1e-6 * static_cast<double>(pose.utime), 1e-9);
+    EXPECT_NEAR(pose.y_m, 0.0, 1e-9);
+  }
+}
+
 TEST(PoseTrack, PosesToldWithTheCorrectionAreLeftAsTheyAre) {
   PoseTrack track(2.0);
   track.add(pose_at(0, 0.0, 0.0));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -120,6 +121,63 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
     EXPECT_LT(std::abs(geometry::wrap_angle_rad(pose.yaw_rad - truth.z())), 0.05);
   }
   EXPECT_EQ(smoother.left_out().num_left_out, 0);
+}
+
+/// Drives the circle and is told poses that leap aside where fixes do, for the last five seconds of
+/// every so many.
+Trajectory path_with_leaps(PathSmoother& smoother, double leap_m, int every_s,
+                           const DisplacementHistory& history) {
+  smoother.place(Eigen::Vector3d::Zero());
+  for (int i = 0; i <= 200 * 20; ++i) {
+    const double time_s = i / 20.0;
+    const bool is_wrong = i / 20 % every_s >= every_s - 5;
+    Eigen::Vector3d told = truth_at(time_s);
+    if (is_wrong) told.y() += leap_m;
+    Odometry odometry;
+    odometry.utime = static_cast<std::int64_t>(1e6 * time_s);
+    odometry.speed_mps = kSpeed_mps;
+    odometry.yaw_rate_radps = kYawRate_radps;
+    smoother.add(odometry, told);
+    if (i % 4 == 0) {
+      AbsolutePosition position;
+      position.p_map = told.head<2>();
+      position.covariance = 1e-2 * Eigen::Matrix2d::Identity();
+      position.is_gnss = true;
+      smoother.add(odometry.utime, position, told);
+    }
+    smoother.tell(odometry.utime, told);
+  }
+  smoother.finish({history});
+  return smoother.take_correction().value_or(Trajectory{});
+}
+
+TEST(PathSmoother, BothSidesOfALeapAreKeyPoses) {
+  DisplacementHistory history;
+  for (const std::int64_t s : {45, 95, 145, 195}) {
+    history.displaced.push_back({s * 1'000'000, s * 1'000'000 + 4'999'999, true});
+  }
+  PathSmoother smoother{PoseConfig{}};
+  const Trajectory trajectory = path_with_leaps(smoother, 98.0, 50, history);
+  EXPECT_FALSE(smoother.is_doubtful());
+  for (const std::int64_t leap_s : {45, 50, 95, 100, 145}) {
+    for (const std::int64_t utime : {leap_s * 1'000'000 - 50'000, leap_s * 1'000'000}) {
+      const auto key = std::find_if(trajectory.poses.begin(), trajectory.poses.end(),
+                                    [&](const PoseEstimate& p) { return p.utime == utime; });
+      ASSERT_NE(key, trajectory.poses.end()) << utime;
+      const Eigen::Vector3d truth = truth_at(1e-6 * static_cast<double>(utime));
+      EXPECT_LT(std::hypot(key->x_m - truth.x(), key->y_m - truth.y()), 0.5);
+    }
+  }
+}
+
+/// A quarter of the fixes contradicts the others, so that no path bears most of them out: still the
+/// path is not the poses told, with all their leaps.
+TEST(PathSmoother, APathThatTheFixesContradictIsToldAndDoubted) {
+  PathSmoother smoother{PoseConfig{}};
+  const Trajectory trajectory = path_with_leaps(smoother, 8.0, 20, {});
+  EXPECT_TRUE(smoother.is_doubtful());
+  ASSERT_FALSE(trajectory.poses.empty());
+  EXPECT_EQ(trajectory.poses.back().utime, 200'000'000);
 }
 
 /// Fixes at the end say two things, 8 m apart, each for 20 s; the wheels are too bad to tell.

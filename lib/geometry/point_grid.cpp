@@ -77,7 +77,21 @@ void PointGrid::clear() {
 
 std::vector<std::int32_t> PointGrid::near(const Eigen::Vector2d& p, double radius_m) const {
   std::vector<std::int32_t> found;
-  near(p.x(), p.y(), radius_m, [&](std::int32_t i) { found.push_back(i); });
+  const auto visit = [&](std::int32_t i) { found.push_back(i); };
+  const std::int32_t x_first = cell(p.x() - radius_m), x_last = cell(p.x() + radius_m);
+  const std::int32_t y_first = cell(p.y() - radius_m), y_last = cell(p.y() + radius_m);
+  const double num_cells = (1.0 + x_last - x_first) * (1.0 + y_last - y_first);
+  if (num_cells <= static_cast<double>(slots_.size())) {
+    near(p.x(), p.y(), radius_m, visit);
+  } else {  // most cells are empty: walk those that are not
+    for (const Slot& slot : slots_) {
+      if (slot.head < 0) continue;
+      const auto cx = static_cast<std::int32_t>(static_cast<std::uint32_t>(slot.key >> 32));
+      const auto cy = static_cast<std::int32_t>(static_cast<std::uint32_t>(slot.key));
+      if (cx < x_first || cx > x_last || cy < y_first || cy > y_last) continue;
+      for (std::int32_t i = slot.head; i >= 0; i = next_[static_cast<std::size_t>(i)]) visit(i);
+    }
+  }
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
+#include "geometry/point_grid.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "pose/slam/slam_map.hpp"
@@ -30,28 +33,54 @@ constexpr std::size_t kNumMoved = 48;
 constexpr std::size_t kNumNeighbours = 3;
 constexpr double kQuartile2 = 0.5753641449;
 constexpr double kMoveVariances = 2.0;
+constexpr double kReach_m = 4.0;  // derived: first radius of a search that doubles: a row's width
 
-/// Returns the nearest neighbours of a tree, the nearest first.
-std::vector<std::size_t> neighbours(const std::vector<Eigen::Vector2d>& trees, std::size_t base) {
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    if (i != base) others.push_back(i);
+using geometry::IndexedPoints;
+
+/// Returns the trees nearest to a point but for one, the nearest first.
+std::vector<std::int32_t> nearest(const IndexedPoints& trees, const Eigen::Vector2d& p,
+                                  std::int32_t but_for, std::size_t num) {
+  const std::size_t wanted = std::min(num, trees.size() - 1);
+  for (double reach_m = kReach_m;; reach_m *= 2.0) {
+    std::vector<std::int32_t> found = trees.nearest_few(p, reach_m, wanted + 1);
+    found.erase(std::remove(found.begin(), found.end(), but_for), found.end());
+    if (found.size() < wanted) continue;
+    found.resize(wanted);
+    return found;
   }
-  const std::size_t num = std::min(kNumNeighbours, others.size());
-  std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(num), others.end(),
-                    [&](std::size_t a, std::size_t b) {
-                      const double a2 = (trees[a] - trees[base]).squaredNorm();
-                      const double b2 = (trees[b] - trees[base]).squaredNorm();
-                      return a2 < b2 || (a2 == b2 && a < b);
-                    });
-  others.resize(num);
-  return others;
 }
 
-// derived: budgets of pairs, of hypotheses that are refined, one for each cell, and of rounds; a
-// nearer pair determines the yaw poorly; four standard deviations of the prior pose.
+/// See lattice_residual_sd_m().
+double residual_sd_m(const IndexedPoints& trees) {
+  if (trees.size() < kNumTreesMin) return std::numeric_limits<double>::infinity();
+  const std::size_t base_step = 1 + (trees.size() - 1) / kNumBases;
+  const std::size_t moved_step = 1 + (trees.size() - 1) / kNumMoved;
+  std::vector<double> distances2;
+  for (std::size_t base = 0; base < trees.size(); base += base_step) {
+    const auto own = static_cast<std::int32_t>(base);
+    for (const std::int32_t neighbour : nearest(trees, trees[base], own, kNumNeighbours)) {
+      const Eigen::Vector2d move = trees[static_cast<std::size_t>(neighbour)] - trees[base];
+      for (std::size_t m = 0; m < trees.size(); m += moved_step) {
+        if (m == base) continue;  // coincides with its neighbour by construction
+        const Eigen::Vector2d moved = trees[m] + move;
+        const auto at = nearest(trees, moved, static_cast<std::int32_t>(m), 1).front();
+        distances2.push_back((trees[static_cast<std::size_t>(at)] - moved).squaredNorm());
+      }
+    }
+  }
+  const auto quartile = distances2.begin() + static_cast<std::ptrdiff_t>(distances2.size() / 4);
+  std::nth_element(distances2.begin(), quartile, distances2.end());
+  return std::sqrt(*quartile / kQuartile2 / kMoveVariances);
+}
+
+// derived: budgets of pairs, of hypotheses that are scored and refined, one for each cell, of
+// comparisons, so that one search ends within a second, and of rounds; a nearer pair determines the
+// yaw poorly; rounding of a reach; four standard deviations of the prior pose.
 constexpr std::size_t kNumPairs = 16;
+constexpr std::size_t kNumScored = 4000;
+constexpr std::int64_t kOperationsMax = 20'000'000;
 constexpr double kPairMin_m = 3.0;
+constexpr double kPairMargin_m = 1e-6;
 constexpr std::size_t kNumRefined = 30;
 constexpr int kNumRounds = 3;
 constexpr double kPriorGate2 = 16.0;
@@ -62,13 +91,19 @@ constexpr double kCell_rad = 0.02;
 struct ClosureHypothesis {
   Eigen::Vector3d x_y_yaw = Eigen::Vector3d::Zero();
   double score = 0.0;
+  int num_votes = 1;     // pairs of landmarks that tell this motion
   std::vector<int> old;  // per recent landmark: index of the matched old one, -1 = none
   int num_in_view = 0;   // recent landmarks that are matched or in view of the old path
 };
 
 class ClosureMatcher {
  public:
-  ClosureMatcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
+  ClosureMatcher(const ClosureQuery& query, const SlamConfig& config)
+      : q_(query),
+        config_(config),
+        old_(points_of(query.old)),
+        old_path_(query.old_path),
+        path_(query.path) {
     Eigen::Matrix3d P = q_.covariance;
     // The prior must not be tighter than the accuracy of the local map.
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
@@ -77,9 +112,13 @@ class ClosureMatcher {
     yaw_max_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
-    std::vector<Eigen::Vector2d> trees;
-    for (const ClosureLandmark& o : q_.old) trees.push_back(o.p_map);
-    planted_m_ = lattice_residual_sd_m(trees);
+    planted_m_ = residual_sd_m(old_);
+    for (const Eigen::Vector2d& p : q_.path) {
+      path_reach_m_ = std::max(path_reach_m_, (p - middle_).norm());
+    }
+    double seen_most_m = 0.0;
+    for (const ClosureLandmark& o : q_.old) seen_most_m = std::max(seen_most_m, o.seen_m);
+    path_reach_m_ += kSurelySeenFraction * seen_most_m;
   }
 
   Eigen::Vector2d apply(const Eigen::Vector3d& shift, const Eigen::Vector2d& p_map) const {
@@ -98,17 +137,25 @@ class ClosureMatcher {
   /// Creates hypotheses that register two recent landmarks to two old ones.
   std::vector<ClosureHypothesis> hypotheses() {
     std::vector<ClosureHypothesis> found;
-    std::set<std::tuple<int, int, int>> known;
+    std::map<std::tuple<int, int, int>, std::size_t> known;
     for (const auto& [i, j] : far_pairs()) {
       const ClosureLandmark& a = q_.recent[i];
       const ClosureLandmark& b = q_.recent[j];
       const Eigen::Vector2d ab = b.p_map - a.p_map;
       const double arm_m = std::max((a.p_map - q_.pivot).norm(), (b.p_map - q_.pivot).norm());
       const double radius_m = radius_m_ + yaw_max_rad_ * arm_m;
-      for (const ClosureLandmark& c : q_.old) {
+      // The other end lies on an arc about c, as long as the heading may be off.
+      const double chord_m =
+          2.0 * std::sin(0.5 * std::min(yaw_max_rad_, geometry::kPi)) * ab.norm();
+      const bool is_arc = chord_m < ab.norm();
+      const double reach_m = kPairMargin_m + kPairTolerance_m + (is_arc ? chord_m : ab.norm());
+      for (const int i_c : old_.within(a.p_map, radius_m)) {
+        if (is_beyond_budget()) return found;
+        const ClosureLandmark& c = q_.old[i_c];
         ++num_operations_;
-        if ((c.p_map - a.p_map).norm() > radius_m || !alike(a, c)) continue;
-        for (const ClosureLandmark& d : q_.old) {
+        if (!alike(a, c)) continue;
+        for (const int i_d : old_.within(is_arc ? c.p_map + ab : c.p_map, reach_m)) {
+          const ClosureLandmark& d = q_.old[i_d];
           ++num_operations_;
           const Eigen::Vector2d cd = d.p_map - c.p_map;
           if (std::abs(cd.norm() - ab.norm()) > kPairTolerance_m || !alike(b, d)) continue;
@@ -123,11 +170,14 @@ class ClosureMatcher {
           const auto cell = [](double value, double size) {
             return static_cast<int>(std::floor(value / size));
           };
-          if (known
-                  .emplace(cell(middle.x(), kCell_m), cell(middle.y(), kCell_m),
-                           cell(h.x_y_yaw.z(), kCell_rad))
-                  .second) {
+          const auto [known_at, is_new] =
+              known.emplace(std::tuple(cell(middle.x(), kCell_m), cell(middle.y(), kCell_m),
+                                       cell(h.x_y_yaw.z(), kCell_rad)),
+                            found.size());
+          if (is_new) {
             found.push_back(std::move(h));
+          } else {
+            ++found[known_at->second].num_votes;
           }
         }
       }
@@ -148,11 +198,11 @@ class ClosureMatcher {
       const Eigen::Vector2d p = apply(h.x_y_yaw, q_.recent[r].p_map);
       int nearest = -1;
       double nearest_m = config_.closure_kernel_m;
-      for (std::size_t o = 0; o < q_.old.size(); ++o) {
+      for (const int o : old_.within(p, nearest_m)) {
         ++num_operations_;
         const double apart_m = (q_.old[o].p_map - p).norm();
         if (taken[o] || apart_m > nearest_m || !alike(q_.recent[r], q_.old[o])) continue;
-        nearest = static_cast<int>(o);
+        nearest = o;
         nearest_m = apart_m;
       }
       if (nearest >= 0) {
@@ -168,15 +218,15 @@ class ClosureMatcher {
         told += J.transpose() * J / s2;
         h.old[r] = nearest;
         taken[nearest] = 1;
-      } else if (in_view(p, q_.recent[r], q_.old_path)) {
+      } else if (in_view(p, q_.recent[r], old_path_)) {
         ++h.num_in_view;
         score -= kMissOdds;
       }
     }
-    for (std::size_t o = 0; o < q_.old.size(); ++o) {
-      if (taken[o]) continue;
-      if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], q_.path)) score -= kMissOdds;
-    }
+    old_.near(apply(h.x_y_yaw, middle_), path_reach_m_, [&](int o) {
+      if (taken[o]) return;
+      if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], path_)) score -= kMissOdds;
+    });
     // Occam factor: the less the prior pose constrains the motion compared with the matches, the
     // more likely some motion fits by chance.
     h.score = score - 0.5 * std::log(told.determinant() / information_.determinant());
@@ -184,12 +234,9 @@ class ClosureMatcher {
 
   /// True if a landmark at p would surely have been seen from one of the places.
   bool in_view(const Eigen::Vector2d& p, const ClosureLandmark& landmark,
-               const std::vector<Eigen::Vector2d>& places) {
-    const double view_m = kSurelySeenFraction * landmark.seen_m;
-    return std::any_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) {
-      ++num_operations_;
-      return (place - p).squaredNorm() <= view_m * view_m;
-    });
+               const geometry::IndexedPoints& places) {
+    ++num_operations_;
+    return places.nearest(p, kSurelySeenFraction * landmark.seen_m) >= 0;
   }
 
   /// Refits the rigid motion to the matches by least squares.
@@ -216,6 +263,7 @@ class ClosureMatcher {
   bool has_lattice() const { return std::isfinite(planted_m_); }
 
   std::int64_t num_operations() const { return num_operations_; }
+  bool is_beyond_budget() const { return num_operations_ > kOperationsMax; }
 
  private:
   /// Returns pairs of recent landmarks that determine the yaw well, the farthest apart first.
@@ -237,8 +285,16 @@ class ClosureMatcher {
     return pairs;
   }
 
+  static std::vector<Eigen::Vector2d> points_of(const std::vector<ClosureLandmark>& landmarks) {
+    std::vector<Eigen::Vector2d> points;
+    for (const ClosureLandmark& l : landmarks) points.push_back(l.p_map);
+    return points;
+  }
+
   const ClosureQuery& q_;
   const SlamConfig& config_;
+  geometry::IndexedPoints old_, old_path_, path_;
+  double path_reach_m_ = 0.0;  ///< from middle_: beyond it no old landmark is in view of the path
   Eigen::Matrix3d information_;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;
@@ -247,10 +303,13 @@ class ClosureMatcher {
   std::int64_t num_operations_ = 0;
 };
 
-// derived: travel between two searches [m]; with so many older landmarks tracked the pose needs no
-// closure; one is tried again only when the graph has grown by a fiftieth, so that the cost of the
-// solves stays proportional to the drive, and their number at the end bounds its time.
+// derived: travel between two searches [m], more after one of many operations, so that their cost
+// per metre is bounded, to a tenth of that of a scan a metre; with so many older landmarks tracked
+// the pose needs no closure; one is tried again only when the graph has grown by a fiftieth, so
+// that the cost of the solves stays proportional to the drive, and their number at the end bounds
+// its time.
 constexpr double kClosureEvery_m = 2.0;
+constexpr double kOperationsPerMetre = 5e5;
 constexpr int kNumAnchors = 3;
 constexpr double kTryGrowth = 0.02;
 constexpr int kSolvesAtEndMax = 6;
@@ -271,9 +330,11 @@ ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {
 std::vector<Eigen::Vector2d> places_of(const std::vector<int>& landmarks, const SlamGraph& graph,
                                        double cell_m) {
   std::set<std::pair<int, int>> known;
+  std::vector<char> is_done(graph.keyframes.size(), 0);
   std::vector<Eigen::Vector2d> places;
   for (const int l : landmarks) {
     for (const int k : graph.landmarks[l].keyframes) {
+      if (std::exchange(is_done[k], 1)) continue;
       const Eigen::Vector2d p = graph.keyframes[k].T_map_base.head<2>();
       const auto cell = [&](double x_m) { return static_cast<int>(std::floor(x_m / cell_m)); };
       if (known.emplace(cell(p.x()), cell(p.y())).second) places.push_back(p);
@@ -314,26 +375,7 @@ bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGrap
 }  // namespace
 
 double lattice_residual_sd_m(const std::vector<Eigen::Vector2d>& trees) {
-  if (trees.size() < kNumTreesMin) return std::numeric_limits<double>::infinity();
-  const std::size_t base_step = 1 + (trees.size() - 1) / kNumBases;
-  const std::size_t moved_step = 1 + (trees.size() - 1) / kNumMoved;
-  std::vector<double> distances2;
-  for (std::size_t base = 0; base < trees.size(); base += base_step) {
-    for (const std::size_t neighbour : neighbours(trees, base)) {
-      const Eigen::Vector2d move = trees[neighbour] - trees[base];
-      for (std::size_t m = 0; m < trees.size(); m += moved_step) {
-        if (m == base) continue;  // coincides with its neighbour by construction
-        double nearest2 = std::numeric_limits<double>::infinity();
-        for (std::size_t t = 0; t < trees.size(); ++t) {
-          if (t != m) nearest2 = std::min(nearest2, (trees[t] - trees[m] - move).squaredNorm());
-        }
-        distances2.push_back(nearest2);
-      }
-    }
-  }
-  const auto quartile = distances2.begin() + static_cast<std::ptrdiff_t>(distances2.size() / 4);
-  std::nth_element(distances2.begin(), quartile, distances2.end());
-  return std::sqrt(*quartile / kQuartile2 / kMoveVariances);
+  return residual_sd_m(geometry::IndexedPoints(trees));
 }
 
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
@@ -345,6 +387,20 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   const auto better = [](const ClosureHypothesis& a, const ClosureHypothesis& b) {
     return a.score > b.score;
   };
+  if (matcher.is_beyond_budget()) {
+    closure.num_operations = matcher.num_operations();
+    closure.ambiguous = true;
+    return closure;
+  }
+  int num_votes_unscored = 0;
+  if (hypotheses.size() > kNumScored) {
+    std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                     [](const ClosureHypothesis& a, const ClosureHypothesis& b) {
+                       return a.num_votes > b.num_votes;
+                     });
+    num_votes_unscored = hypotheses[kNumScored].num_votes;
+    hypotheses.resize(kNumScored);
+  }
   for (ClosureHypothesis& h : hypotheses) matcher.score(h, 0.5 * config.closure_kernel_m);
   std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
   if (hypotheses.size() > kNumRefined) hypotheses.resize(kNumRefined);
@@ -368,6 +424,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
     return closure;
   }
   closure.ambiguous =
+      num_votes_unscored >= best.num_votes ||
       std::any_of(hypotheses.begin() + 1, hypotheses.end(), [&](const ClosureHypothesis& other) {
         return other.score > best.score - config.closure_margin && matcher.differ(other, best);
       });
@@ -400,17 +457,17 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const Eigen::Matrix3d& P = now.covariance;
   const double radius_m = kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m +
                           kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
-  std::vector<int> old;
+  std::vector<char> is_near(graph.landmarks.size(), 0);
   for (const ClosureLandmark& r : query.recent) {
-    for (const int l : map.index.near(r.p_map, radius_m)) {
-      const SlamLandmark& landmark = graph.landmarks[l];
-      if (!landmark.confirmed || landmark.keyframes.empty()) continue;
-      const int last = landmark.keyframes.back();
-      if (ago_m(last) > path_m || last < map.session_start) old.push_back(l);
-    }
+    for (const int l : map.index.near(r.p_map, radius_m)) is_near[l] = 1;
   }
-  std::sort(old.begin(), old.end());
-  old.erase(std::unique(old.begin(), old.end()), old.end());
+  std::vector<int> old;
+  for (int l = 0; l < static_cast<int>(is_near.size()); ++l) {
+    const SlamLandmark& landmark = graph.landmarks[l];
+    if (!is_near[l] || !landmark.confirmed || landmark.keyframes.empty()) continue;
+    const int last = landmark.keyframes.back();
+    if (ago_m(last) > path_m || last < map.session_start) old.push_back(l);
+  }
   if (old.size() < kClosureTreesMin) return std::nullopt;
   for (const int l : old) query.old.push_back(closure_landmark(graph, l));
   for (int k = map.newest(); k >= map.session_start && ago_m(k) <= path_m; --k) {
@@ -422,7 +479,9 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
 
 void LoopCloser::observe(SlamMap& map) {
   const double travel_m = map.graph.keyframes.back().travel_m;
-  if (travel_m - last_travel_m_ < kClosureEvery_m ||
+  const double every_m =
+      std::max(kClosureEvery_m, static_cast<double>(last_operations_) / kOperationsPerMetre);
+  if (travel_m - last_travel_m_ < every_m ||
       static_cast<double>(map.graph.keyframes.size()) < num_keyframes_ * (1.0 + kTryGrowth)) {
     return;
   }
@@ -432,11 +491,13 @@ void LoopCloser::observe(SlamMap& map) {
 
 void LoopCloser::close(SlamMap& map) {
   ambiguous_ = false;
+  last_operations_ = 0;
   const std::optional<ClosureQuery> query = this->query(map);
   if (!query) return;
   ++counts_.num_searches;
   const Closure closure = find_closure(*query, config_);
   counts_.num_operations += closure.num_operations;
+  last_operations_ = closure.num_operations;
   ambiguous_ = closure.ambiguous;
   if (!closure.found) return;
   for (const auto& [recent, old] : closure.matches) {

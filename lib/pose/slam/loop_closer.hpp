@@ -62,6 +62,9 @@ struct Closure {
 /// is found if at least kClosureTreesMin trees match and the log-odds exceed by closure_margin both
 /// the null hypothesis (another place with the same planting pattern) and every other motion (e.g.
 /// shifted by a tree or a row).
+///
+/// The cost is bounded: of many motions those that most pairs of landmarks tell are scored, and
+/// where one left out was told by as many as the best, or the pairs are too many, it is ambiguous.
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 /// Closes loops by landmarks: decides when to search for a closure, merges the matched landmarks,
@@ -70,7 +73,8 @@ class LoopCloser {
  public:
   explicit LoopCloser(const SlamConfig& config) : config_(config) {}
 
-  /// Searches for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
+  /// Searches for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel,
+  /// and later after a costly search.
   void observe(SlamMap& map);
 
   /// Searches for a loop closure at the newest keyframe, regardless of the travel since the last
@@ -89,8 +93,9 @@ class LoopCloser {
   std::optional<ClosureQuery> query(const SlamMap& map) const;
 
   SlamConfig config_;
-  double last_travel_m_ = 0.0;  ///< travel at the last search
-  int num_keyframes_ = 0;       ///< number of keyframes when a closure was last tried
+  double last_travel_m_ = 0.0;        ///< travel at the last search
+  std::int64_t last_operations_ = 0;  ///< of the last search
+  int num_keyframes_ = 0;             ///< number of keyframes when a closure was last tried
   bool ambiguous_ = false;
   LoopCounts counts_;
 };

@@ -95,6 +95,11 @@ TEST_P(PointGridOfCells, AnswersAsBruteForceThroughRandomOperations) {
     }
     if (operation % 10 != 0) continue;
     expect_as_brute_force(grid, truth, random.point(), operation % 20 == 0 ? 0.3 : 3.7, GetParam());
+    if (operation % 200 == 0) {  // also where there are more cells than points
+      const Point at = random.point();
+      const auto all = grid.near(Eigen::Vector2d(at.x_m, at.y_m), 50.0);
+      ASSERT_EQ(all, visited(grid, at, 50.0));
+    }
     if (HasFatalFailure()) FAIL() << "after operation " << operation;
   }
   const std::vector<std::int32_t> all = grid.near(Eigen::Vector2d(0.0, 0.0), 40.0);

@@ -129,6 +129,68 @@ TEST(FindClosure, WhatThePoseExcludesIsNotFound) {
   EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
 }
 
+/// 1.7 km of street between hedges, a landmark a metre on both sides, mapped again over the last
+/// 45 m, with the heading unknown: half the town is within four sigma of the pose.
+struct Street {
+  ClosureQuery query;
+  Eigen::Vector3d drift = Eigen::Vector3d(60.0, -40.0, 0.5);
+
+  explicit Street(std::uint64_t seed, double longer = 1.0) {
+    simulation::Random random(seed);
+    query.pivot = {45.0, 0.0};
+    const auto add = [&](std::vector<ClosureLandmark>& to, int id, const Eigen::Vector2d& p) {
+      to.push_back({id, p, 0.3, 0.2, 20.0});
+    };
+    const double sides_m[] = {500.0, 350.0, 500.0, 350.0};
+    Eigen::Vector2d corner = Eigen::Vector2d::Zero(), along(1.0, 0.0);
+    int id = 0;
+    for (double side_m : sides_m) {
+      side_m *= longer;
+      for (double s_m = 0.0; s_m < side_m; s_m += 1.0) {
+        const Eigen::Vector2d aside(-along.y(), along.x());
+        for (const double d_m : {-4.0, 4.0}) {
+          const Eigen::Vector2d p = corner + (s_m + random.uniform(-0.5, 0.5)) * along +
+                                    (d_m + random.uniform(-0.5, 0.5)) * aside;
+          add(query.old, ++id, p);
+          if (id > 90) continue;
+          const Eigen::Vector2d seen =
+              p + Eigen::Vector2d(random.normal(0.0, 0.03), random.normal(0.0, 0.03));
+          add(query.recent, 10'000 + id, moved_back(seen));
+        }
+        query.old_path.push_back(corner + s_m * along);
+      }
+      corner += side_m * along;
+      along = Eigen::Vector2d(-along.y(), along.x());
+    }
+    for (double x_m = 0.0; x_m <= 45.0; x_m += 0.5) query.path.push_back(moved_back({x_m, 0.0}));
+    query.covariance = Eigen::Vector3d(214.0 * 214.0, 214.0 * 214.0, 1.3 * 1.3).asDiagonal();
+  }
+
+  Eigen::Vector2d moved_back(const Eigen::Vector2d& p) const {
+    return query.pivot + rotation(drift.z()).transpose() * (p - query.pivot - drift.head<2>());
+  }
+};
+
+TEST(FindClosure, HalfATownIsSearchedWithinBounds) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Street street(seed);
+    const Closure closure = find_closure(street.query, SlamConfig{});
+    ASSERT_TRUE(closure.found) << seed;
+    EXPECT_LT((closure.shift - street.drift).norm(), 0.1) << seed;
+    EXPECT_GT(closure.matches.size(), 80u) << seed;
+    EXPECT_LT(closure.num_operations, 20'000'000) << seed;
+  }
+}
+
+TEST(FindClosure, WhatIsBeyondTheBudgetIsLeftOpen) {
+  Street city(1, 8.0);
+  city.query.covariance *= 100.0;
+  const Closure closure = find_closure(city.query, SlamConfig{});
+  EXPECT_FALSE(closure.found);
+  EXPECT_TRUE(closure.ambiguous);
+  EXPECT_LT(closure.num_operations, 21'000'000);
+}
+
 TEST(FindClosure, AFewTreesAreNotEnough) {
   Rows rows(1, 0.15, 0.0, true);
   rows.query.recent.resize(4);

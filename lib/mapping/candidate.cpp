@@ -2,7 +2,6 @@
 #include "mapping/candidate.hpp"
 
 #include <mrpt/poses/CPose3D.h>
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "geometry/symmetric.hpp"
 
 namespace orchard::mapping {
 
@@ -107,7 +107,7 @@ ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
       alignment.covariance = pose_covariance;
       return alignment;
     }
-    alignment.x_y_yaw += information.ldlt().solve(gradient);
+    alignment.x_y_yaw += geometry::solve_symmetric(information, gradient);
     alignment.covariance = information.inverse();
   }
   return alignment;

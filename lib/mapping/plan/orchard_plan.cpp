@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/plan/orchard_plan.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +9,7 @@
 
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "geometry/symmetric.hpp"
 #include "mapping/rows/rows.hpp"
 #include "text/number_text.hpp"
 
@@ -109,9 +109,7 @@ Vector2d main_direction(const std::vector<PlannedTree>& trees) {
   for (const PlannedTree& t : trees) {
     spread += (t.p_plan - mean) * (t.p_plan - mean).transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(spread);
-  return axes.eigenvectors().col(1);
+  return geometry::axes_of(spread).directions.col(1);
 }
 
 void sort_along(PlannedRow& row) {

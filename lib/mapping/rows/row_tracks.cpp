@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/rows/row_tracks.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
+#include "geometry/symmetric.hpp"
 #include "mapping/rows/rows.hpp"
 #include "mapping/tuning.hpp"
 
@@ -68,7 +68,7 @@ double direction_at(const Vector2d& p, const std::vector<Link>& links,
     const double sum = information(0, 0);
     information.diagonal() += sum * Eigen::Vector3d(1e-6, 1e-3, 1e-3);
     if (sum <= 0.0) return angle_rad;
-    fit = information.ldlt().solve(right);
+    fit = geometry::solve_symmetric(information, right);
     angle_rad = first_rad + fit(0);
     scale_rad = std::clamp(geometry::median(std::move(offs_rad)), 0.02, 0.5);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/filter/fix_hypotheses.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +11,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "geometry/symmetric.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/motion.hpp"
 #include "timing/units.hpp"
@@ -78,7 +78,7 @@ bool are_same(const FixHypotheses::Hypothesis& a, const FixHypotheses::Hypothesi
   Eigen::Vector3d off = b.filter.mean().head<3>() - a.filter.mean().head<3>();
   off.z() = geometry::wrap_angle_rad(off.z());
   const Eigen::Matrix3d P = a.filter.covariance().topLeftCorner<3, 3>();
-  return off.dot(P.ldlt().solve(off)) < kSame2;
+  return off.dot(geometry::solve_symmetric(P, off)) < kSame2;
 }
 
 /// Splits a hypothesis with an uncorrelated heading into several, if it is wider than a slot.

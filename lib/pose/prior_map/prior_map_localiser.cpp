@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/prior_map/prior_map_localiser.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -9,6 +8,7 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "geometry/symmetric.hpp"
 #include "pose/motion.hpp"
 #include "pose/tuning.hpp"
 #include "text/number_text.hpp"
@@ -69,9 +69,7 @@ PriorMapData checked(PriorMapData earlier) {
 }
 
 double largest_sd_m(const Eigen::Matrix3d& P) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(P.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
+  return std::sqrt(std::max(0.0, geometry::axes_of(P.topLeftCorner<2, 2>()).values(1)));
 }
 
 }  // namespace

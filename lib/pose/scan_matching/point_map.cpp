@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/scan_matching/point_map.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <unordered_set>
 
 #include "geometry/pose2.hpp"
+#include "geometry/symmetric.hpp"
 #include "pose/tuning.hpp"
 
 namespace orchard::pose {
@@ -37,13 +37,12 @@ void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
   }
   if (count < kPointsOfSurfaceMin) return;
   const Eigen::Vector2d mean = sum / count;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(squares / count - mean * mean.transpose());
-  const double thickness = std::max(0.0, axes.eigenvalues()(0));
-  const double length = axes.eigenvalues()(1);
+  const geometry::Axes2 axes = geometry::axes_of(squares / count - mean * mean.transpose());
+  const double thickness = std::max(0.0, axes.values(0));
+  const double length = axes.values(1);
   if (!(length > kSurfaceLengthSd_m * kSurfaceLengthSd_m)) return;
   if (thickness > kFlatnessMax * length) return;
-  point.normal = axes.eigenvectors().col(0);
+  point.normal = axes.directions.col(0);
   point.flat = true;
 }
 

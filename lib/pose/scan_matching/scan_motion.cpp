@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/scan_matching/scan_motion.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "geometry/symmetric.hpp"
 #include "pose/motion.hpp"
 #include "pose/scan_matching/point_map.hpp"
 
@@ -167,7 +166,7 @@ void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m
     match.residual_variance_m2 = weights > 0.0 ? squares / weights : 0.0;
     if (pairs < kPairsMin) return;
     H.diagonal() += Eigen::Vector3d(1e-6, 1e-6, 1e-6);
-    const Eigen::Vector3d step = -H.ldlt().solve(gradient);
+    const Eigen::Vector3d step = -geometry::solve_symmetric(H, gradient);
     if (!step.allFinite()) return;
     match.T_map_base += step;
     if (step.head<2>().norm() < kDoneShift_m && std::abs(step.z()) < kDoneTurn_rad) return;
@@ -273,13 +272,12 @@ Eigen::Matrix3d unknown_motion() {
 Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
                            const Eigen::Vector3d& T_map_expected) {
   const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  const geometry::Axes2 axes = geometry::axes_of(covariance.topLeftCorner<2, 2>());
   // The rotation is always taken from the fit, because its prediction may be far off.
   Eigen::Vector3d place = match.T_map_base;
   for (int axis = 0; axis < 2; ++axis) {
-    const double untold = axes.eigenvalues()(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
-    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
+    const double untold = axes.values(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
+    const Eigen::Vector2d direction = axes.directions.col(axis);
     const bool has_slid = std::abs(apart.dot(direction)) > kUnknownShiftSd_m;
     if (!has_slid || !(untold > kUntoldFraction)) continue;
     place.head<2>() -= apart.dot(direction) * direction;
@@ -293,11 +291,10 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
   const double weight = match.weight;
   if (!(weight > 0.0) || !match.information.allFinite()) return nothing;
   Eigen::Matrix3d information = match.information;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(match.information.topLeftCorner<2, 2>());
+  const geometry::Axes2 axes = geometry::axes_of(match.information.topLeftCorner<2, 2>());
   for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
-    const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
+    const Eigen::Vector2d direction = axes.directions.col(axis);
+    const double claimed = std::max(0.0, axes.values(axis)) / weight;
     const double fraction = telling_fraction(matcher, points, match, direction, kScoreKernel_m);
     if (!(claimed > 0.0) || fraction >= claimed) continue;
     // Scale the information along the direction (and its correlation) by fraction / claimed.

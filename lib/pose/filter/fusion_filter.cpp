@@ -39,6 +39,14 @@ enum Index {
   kDisplacedNorth = 12
 };
 
+/// A matrix of any size up to the state's, without memory of the heap.
+using Sized = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                            FusionFilter::kSize, FusionFilter::kSize>;
+
+/// Returns A B. One function for all sizes: the compiler needs seconds for every pair of fixed
+/// ones.
+Sized product(const Sized& A, const Sized& B) { return A * B; }
+
 /// sin(a) / a
 double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
 
@@ -122,10 +130,10 @@ void FusionFilter::move(const MotionStep& step) {
   const double noise_s2 = (config_.learns_wheels ? kNoiseTime_s : duration_s) * duration_s;
   const Eigen::Vector2d noise(geometry::square(step.speed_sd_mps) * noise_s2,
                               geometry::square(step.yaw_rate_sd_radps) * noise_s2);
-  covariance_.topRows<3>() += (pose_by * covariance_).eval();
-  covariance_.leftCols<3>() += (covariance_ * pose_by.transpose()).eval();
+  covariance_.topRows<3>() += product(pose_by, covariance_);
+  covariance_.leftCols<3>() += product(covariance_, pose_by.transpose());
   covariance_ = kept.asDiagonal() * covariance_ * kept.asDiagonal();
-  covariance_ += G * noise.asDiagonal() * G.transpose();
+  covariance_ += product(G, (G * noise.asDiagonal()).transpose()).transpose();
   const double walk =
       config_.learns_wheels ? geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m) : 0.0;
   covariance_(kScale, kScale) += walk;
@@ -231,51 +239,58 @@ double FusionFilter::off_m(const PositionObservation& observation) const {
   return innovation(observation).norm();
 }
 
+Eigen::Matrix2d FusionFilter::innovation_covariance(const PositionObservation& observation) const {
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
+  const Eigen::Matrix<double, 2, kSize> HP = product(H, covariance_);
+  Eigen::Matrix<double, 2, 2, Eigen::RowMajor> S;
+  S.noalias() = HP.lazyProduct(H.transpose());
+  return S + noise(observation);
+}
+
 double FusionFilter::log_likelihood(const PositionObservation& observation,
                                     double added_variance) const {
-  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
-  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(observation) +
-                            added_variance * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d S =
+      innovation_covariance(observation) + added_variance * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d off_m = innovation(observation);
   return -0.5 * (off_m.dot(S.inverse() * off_m) + std::log(S.determinant()));
 }
 
 double FusionFilter::mahalanobis2(const PositionObservation& observation) const {
-  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
-  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(observation);
+  const Eigen::Matrix2d S = innovation_covariance(observation);
   const Eigen::Vector2d off_m = innovation(observation);
   return off_m.dot(S.inverse() * off_m);
 }
 
 void FusionFilter::correct(const PositionObservation& observation) {
-  apply<2>(innovation(observation), jacobian(observation), noise(observation));
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
+  const Eigen::Matrix2d R = noise(observation);
+  const Eigen::Matrix2d S = innovation_covariance(observation);
+  const Eigen::Matrix<double, kSize, 2> PHt = product(covariance_, H.transpose());
+  const Eigen::Matrix<double, kSize, 2> K = PHt * S.inverse();
+  const Vector change = K * innovation(observation);
+  update(change, Matrix::Identity() - product(K, H), product(K, (K * R).transpose()));
 }
 
 void FusionFilter::correct_yaw(double yaw_rad, double variance) {
-  Eigen::Matrix<double, 1, kSize> H = Eigen::Matrix<double, 1, kSize>::Zero();
-  H(kYaw) = 1.0;
-  apply<1>(Eigen::Matrix<double, 1, 1>(geometry::wrap_angle_rad(yaw_rad - mean_(kYaw))), H,
-           Eigen::Matrix<double, 1, 1>(variance));
+  correct_state(kYaw, geometry::wrap_angle_rad(yaw_rad - mean_(kYaw)), variance);
 }
 
 void FusionFilter::correct_gyro_bias(double rate_radps, double variance) {
-  Eigen::Matrix<double, 1, kSize> H = Eigen::Matrix<double, 1, kSize>::Zero();
-  H(kGyroBias) = 1.0;
-  apply<1>(Eigen::Matrix<double, 1, 1>(rate_radps - mean_(kGyroBias)), H,
-           Eigen::Matrix<double, 1, 1>(variance));
+  correct_state(kGyroBias, rate_radps - mean_(kGyroBias), variance);
 }
 
-template <int N>
-void FusionFilter::apply(const Eigen::Matrix<double, N, 1>& innovation,
-                         const Eigen::Matrix<double, N, kSize>& H,
-                         const Eigen::Matrix<double, N, N>& R) {
-  const Eigen::Matrix<double, N, N> S = H * covariance_ * H.transpose() + R;
-  const Eigen::Matrix<double, kSize, N> K = covariance_ * H.transpose() * S.inverse();
-  mean_ += K * innovation;
+void FusionFilter::correct_state(int index, double innovation, double variance) {
+  const Vector K = covariance_.col(index) * (1.0 / (covariance_(index, index) + variance));
+  Matrix A = Matrix::Identity();
+  A.col(index) -= K;
+  update(K * innovation, A, K * (K * variance).transpose());
+}
+
+void FusionFilter::update(const Vector& change, const Matrix& A, const Matrix& noise) {
+  mean_ += change;
   mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw));
   // Joseph's form keeps the covariance positive definite despite rounding of the gain.
-  const Matrix A = Matrix::Identity() - K * H;
-  covariance_ = A * covariance_ * A.transpose() + K * R * K.transpose();
+  covariance_ = product(A, product(A, covariance_).transpose()) + noise;
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
 }
 

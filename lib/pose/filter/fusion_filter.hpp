@@ -117,13 +117,15 @@ class FusionFilter {
   void correct_gyro_bias(double rate_radps, double variance);
 
  private:
-  template <int N>
-  void apply(const Eigen::Matrix<double, N, 1>& innovation,
-             const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
+  /// Corrects by a measurement of one state.
+  void correct_state(int index, double innovation, double variance);
+  /// Corrects by a gain K: its change of the mean, A = I - K H, and K R K^T.
+  void update(const Vector& change, const Matrix& A, const Matrix& noise);
   void restart(int first, double variance);
   Eigen::Matrix<double, 2, kSize> jacobian(const PositionObservation& observation) const;
   Eigen::Vector2d innovation(const PositionObservation& observation) const;
   Eigen::Matrix2d noise(const PositionObservation& observation) const;
+  Eigen::Matrix2d innovation_covariance(const PositionObservation& observation) const;
 
   FusionConfig config_;
   WheelErrorNoise changes_;

@@ -34,7 +34,8 @@ Eigen::Matrix<double, Size, Size> whitening(const Eigen::Matrix<double, Size, Si
   using Matrix = Eigen::Matrix<double, Size, Size>;
   // A minimum far below any sensor noise keeps a zero covariance invertible.
   const Matrix P = covariance + 1e-10 * Matrix::Identity();
-  return P.inverse().llt().matrixU();
+  // Of dynamic size, as the solver needs it anyway: every other size costs the compiler a second.
+  return Eigen::LLT<Eigen::MatrixXd>(P.inverse()).matrixU();
 }
 
 /// One evaluation of a factor with `Rows` residuals.

@@ -139,7 +139,7 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
 }
 
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config, const AreDistinct& are_distinct) {
+                           const MapperConfig& config) {
   const LandmarkRecord& r = landmarks[index];
   std::int32_t best = -1;
   double best_m2 = config.merge_m * config.merge_m;
@@ -153,11 +153,8 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                        (other.association_position() - r.association_position()).squaredNorm();
                    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best)))
                      return;
-                   if (distance_m2 <= config.split_distance_m * config.split_distance_m ||
-                       !are_distinct(index, i)) {
-                     best_m2 = distance_m2;
-                     best = i;
-                   }
+                   best_m2 = distance_m2;
+                   best = i;
                  });
   return best;
 }

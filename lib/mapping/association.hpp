@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -40,13 +39,10 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
 std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmarks,
                                                    const Eigen::Vector2d& p_map, double reach_m);
 
-/// Whether scans repeatedly observe two landmarks (given by index) at the same time.
-using AreDistinct = std::function<bool(std::int32_t, std::int32_t)>;
-
 /// Index of the landmark that this one must be merged with: the nearest within merge_m of similar
-/// width that was not observed in the same scan and, if farther than split_distance_m, is not known
-/// to be a separate landmark. -1 = none; the lowest index among equally near ones.
+/// width that was not observed in the same scan. -1 = none; the lowest index among equally near
+/// ones.
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config, const AreDistinct& are_distinct);
+                           const MapperConfig& config);
 
 }  // namespace orchard::mapping

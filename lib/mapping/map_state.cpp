@@ -50,24 +50,6 @@ void MapState::merge(std::int32_t keep, std::int32_t drop) {
   });
 }
 
-void MapState::rebuild_landmark(std::int32_t index, const LandmarkRecord& was,
-                                std::vector<std::int32_t> chain) {
-  std::sort(chain.begin(), chain.end());
-  LandmarkRecord r;
-  r.existence_log_odds = was.existence_log_odds;
-  r.association_x_m = observations.p_map(chain.front()).x();
-  r.association_y_m = observations.p_map(chain.front()).y();
-  for (const std::int32_t k : chain) {
-    const Observation& o = observations[k];
-    const Eigen::Vector2d p = observations.p_map(k);
-    add_to_record(r, detection_of(o), p, p, static_cast<double>(o.sd_m) * o.sd_m, config);
-    r.last_scan = o.scan;
-  }
-  r.last_observation = observations.relink(std::move(chain));
-  modes.forget(index);
-  landmarks.change(index, [&](LandmarkRecord& record) { record = r; });
-}
-
 void MapState::renumber(const std::vector<std::int32_t>& kept) {
   LandmarkRecord removed;
   removed.is_removed = true;

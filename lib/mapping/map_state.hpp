@@ -39,11 +39,6 @@ struct MapState {
   /// Merges landmark `drop` into landmark `keep`.
   void merge(std::int32_t keep, std::int32_t drop);
 
-  /// Rebuilds a landmark from the observations in `chain` only; keeps the existence log odds of
-  /// `was`.
-  void rebuild_landmark(std::int32_t index, const LandmarkRecord& was,
-                        std::vector<std::int32_t> chain);
-
   /// Moves the landmark of index i to index kept[i]; unused indices become removed records.
   void renumber(const std::vector<std::int32_t>& kept);
 

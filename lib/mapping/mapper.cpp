@@ -13,7 +13,6 @@
 #include "mapping/existence/existence.hpp"
 #include "mapping/existence/ground_occupancy.hpp"
 #include "mapping/extent/extent.hpp"
-#include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
 #include "mapping/store/observation_store.hpp"
 
@@ -27,14 +26,11 @@ constexpr int kScatterObservationsMin = 10;
 void merge_changed(MapState& map, MapUpdate& update) {
   std::vector<std::int32_t>& ids = update.changed_ids;
   const LandmarkTable& landmarks = map.landmarks;
-  const auto are_distinct = [&map](std::int32_t a, std::int32_t b) {
-    return are_distinct_landmarks(map, a, b);
-  };
   std::sort(ids.begin(), ids.end());
   for (std::size_t k = 0; k < ids.size(); ++k) {  // appends, to examine merged landmarks again
     const std::int32_t index = ids[k] - 1;
     if (landmarks[index].is_removed) continue;
-    std::int32_t other = merge_partner(landmarks, index, map.config, are_distinct);
+    std::int32_t other = merge_partner(landmarks, index, map.config);
     const bool is_clump = other < 0;
     if (is_clump) other = touching_clump(landmarks, index, map.config);
     if (other < 0) continue;
@@ -144,10 +140,7 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
     }
   }
 
-  // Optional stages: existence filter and landmark splitting.
   if (free_space) existence.update(free_space, T_map_base_aligned, map.landmarks, update);
-  split_landmarks(map, update);
-
   merge_changed(map, update);
   return update;
 }
@@ -266,6 +259,25 @@ std::optional<double> Mapper::tree_scatter_m() const {
 }
 
 LabelConflicts Mapper::label_conflicts() const { return count_label_conflicts(impl_->map); }
+
+Landmark Mapper::common_place(const Landmark& seen_most,
+                              const std::vector<std::int32_t>& parts) const {
+  const MapState& map = impl_->map;
+  std::vector<WeightedPoint> points;
+  for (const std::int32_t id : parts) {
+    const std::int32_t newest = map.landmarks[id - 1].last_observation;
+    for (const WeightedPoint& point : map.observations.newest(newest, kPositionSamplesMax)) {
+      points.push_back(point);
+    }
+  }
+  const PositionMode mode =
+      position_mode(points, {seen_most.x_m, seen_most.y_m}, map.config.centre_kernel_m);
+  Landmark l = seen_most;
+  l.x_m = mode.p_map.x();
+  l.y_m = mode.p_map.y();
+  l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};
+  return l;
+}
 
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   std::vector<Landmark> all;

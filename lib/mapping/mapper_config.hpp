@@ -42,12 +42,10 @@ enum class Evidence {
 
 /// Configuration of the mapper, section `mapper`.
 struct MapperConfig {
-  double gate_m = 0.30;         ///< max distance of a detection from its landmark
-  double gate_sigma = 3.5;      ///< the same in standard deviations of detection, pose and landmark
-  double width_gate_m = 0.25;   ///< max width difference of a detection and its landmark
-  double merge_m = 0.10;        ///< landmarks closer than this are merged
-  bool split_landmarks = true;  ///< split landmarks that scans observe at two positions at once
-  double split_distance_m = 0.60;          ///< min distance of those positions
+  double gate_m = 0.30;        ///< max distance of a detection from its landmark
+  double gate_sigma = 3.5;     ///< the same in standard deviations of detection, pose and landmark
+  double width_gate_m = 0.25;  ///< max width difference of a detection and its landmark
+  double merge_m = 0.10;       ///< landmarks closer than this are merged
   double observation_range_max_m = 100.0;  ///< farther detections are left out (range from base)
   bool align_scans = true;                 ///< align each scan with the map before association
   double align_kernel_m = 0.15;   ///< detections farther from a landmark support the fit little
@@ -89,10 +87,6 @@ void describe(Visitor& v, MapperConfig& c) {
   v.expert().number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are merged");
   v.check(c.merge_m <= 2.0 * c.gate_m, "merge_m",
           "must not be above twice gate_m: landmarks farther apart share no observation");
-  v.flag("split_landmarks", c.split_landmarks,
-         "split a landmark if scans repeatedly observe objects at two positions at once");
-  v.expert().number("split_distance_m", c.split_distance_m, 0.01, 5, "m",
-                    "split_landmarks: min distance of the two positions");
   v.expert().number("observation_range_max_m", c.observation_range_max_m, 0.1, 500, "m",
                     "max range of detections from base; farther ones are ignored");
   v.expert().flag(

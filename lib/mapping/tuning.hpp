@@ -30,24 +30,6 @@ inline constexpr double kTouch_m = 0.15;
 /// Quantile of the scatter of the trees of rows: one in twenty may have suckers or lean.
 inline constexpr double kOfTrees = 0.95;
 
-// Landmark splitting, on drive 1 at Pullally, whose poses need gates of 0.95 m: without splitting
-// its map has 92 trees instead of 98, and 44 trees in rows instead of 48.
-
-inline constexpr double kAtPosition_m = 0.25;  ///< radius of a position
-inline constexpr double kBetween_m = 0.15;     ///< radius of the middle between two positions
-/// Two landmarks: both positions are occupied in the same scan at least this often, and in this
-/// fraction of the scans of the rarer position.
-inline constexpr int kAtOnceMin = 5;
-inline constexpr double kAtOnceFraction = 0.3;
-/// Minimum number of scans of the rarer position, and its fraction of the scans of the other.
-inline constexpr int kRarerScansMin = 10;
-inline constexpr double kRarerFraction = 0.5;
-/// A bush or hedge fills the space between its parts: maximum fraction of the rarer position's
-/// scans that may show something in the middle.
-inline constexpr double kBetweenFractionMax = 0.5;
-/// Minimum number of observations of each half of a split landmark.
-inline constexpr std::size_t kHalfObservationsMin = 8;
-
 // Existence, on simulated drives among people and vehicles and both drives at Pullally.
 
 /// Probability that beams pass through the position of an existing object: thin objects and wrong

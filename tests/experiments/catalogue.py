@@ -271,7 +271,7 @@ EXPERIMENTS = {
             "120 s; no part", "-"),
     ]),
     "real": Experiment("Real recordings", trial=trials.real, rows=[
-        Row("clear_1 clear_2", "Pullally with its track: clear trees with one tree landmark; drive 2", "all; all",
+        Row("clear_1 clear_2", "Pullally with its track: clear trees with one tree landmark; drive 2", "36 of 38; all",
             "this drive and six noisy copies / this drive"),
         Row("path_1 path_2", "from the laser alone: path from the recording's own GNSS track, RMS, most; drive 2", "",
             "local map's reach on drive 1 / drive 1"),

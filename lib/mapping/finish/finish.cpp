@@ -7,6 +7,7 @@
 
 #include "mapping/compare/map_merging.hpp"
 #include "mapping/extent/extent.hpp"
+#include "mapping/finish/plants.hpp"
 #include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::mapping {
@@ -58,13 +59,24 @@ void join_long(const FinishConfig& config, GroundOccupancy& ground,
 }
 
 /// Numbers and joins the landmarks that exist.
-FinishedMap numbered(const FinishConfig& config, std::vector<Landmark> standing,
-                     GroundOccupancy& ground) {
+FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
+                     std::vector<Landmark> standing, GroundOccupancy& ground) {
   FinishedMap map;
   map.landmarks = std::move(standing);
   if (config.rows.enabled) number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   const Ids apart = ids_of(map.landmarks);
   join_long(config, ground, map.landmarks);
+  if (config.rows.enabled) {
+    std::vector<Landmark> plants =
+        join_plants(map.landmarks, config.rows,
+                    [&mapper](const Landmark& seen_most, const std::vector<std::int32_t>& parts) {
+                      return mapper.common_place(seen_most, parts);
+                    });
+    if (plants.size() != map.landmarks.size()) {
+      map.landmarks = std::move(plants);
+      number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
+    }
+  }
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
 }
@@ -75,7 +87,7 @@ FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOc
   note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
                early);
   omit(mapper.spurious_ids(ground), Omission::kSpurious, standing, early);
-  FinishedMap map = numbered(config, std::move(standing), ground);
+  FinishedMap map = numbered(mapper, config, std::move(standing), ground);
   map.omitted.insert(map.omitted.end(), early.omitted.begin(), early.omitted.end());
   std::sort(map.omitted.begin(), map.omitted.end(),
             [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });

@@ -75,15 +75,11 @@ std::shared_ptr<const FreeSpace> ObservationStore::free_space(std::int32_t scan)
 std::int32_t ObservationStore::prepend(Observation observation, std::int32_t head) {
   observation.scan = last_scan();
   observation.previous = head;
-  observation.is_associated = true;
   observations_.push_back(observation);
   return static_cast<std::int32_t>(observations_.size()) - 1;
 }
 
-void ObservationStore::add_unassociated(Observation observation) {
-  prepend(observation, -1);
-  observations_.edit(observations_.size() - 1).is_associated = false;
-}
+void ObservationStore::add_unassociated(Observation observation) { prepend(observation, -1); }
 
 std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
   std::int32_t tail = newer;
@@ -92,17 +88,6 @@ std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
   }
   observations_.edit(static_cast<std::size_t>(tail)).previous = older;
   return newer;
-}
-
-std::int32_t ObservationStore::relink(std::vector<std::int32_t> observations) {
-  std::sort(observations.begin(), observations.end());
-  std::int32_t head = -1;
-  for (const std::int32_t k : observations) {
-    Observation& o = observations_.edit(static_cast<std::size_t>(k));
-    o.previous = std::exchange(head, k);
-    o.is_associated = true;
-  }
-  return head;
 }
 
 std::vector<std::int32_t> ObservationStore::newest_of(std::int32_t head, std::size_t most) const {

@@ -35,7 +35,6 @@ struct Observation {
   std::int8_t label = 0;       ///< detection::Label
   std::int8_t occlusion = 0;   ///< bits of detection::Occlusion
   std::uint8_t num_beams = 0;  ///< 255 means 255 or more
-  bool is_associated = false;  ///< part of a landmark's chain
 };
 
 /// Converts a candidate to its stored form; scan and previous are not set.
@@ -88,10 +87,6 @@ class ObservationStore {
 
   /// Joins two chains, `newer` first; returns the head.
   std::int32_t join(std::int32_t newer, std::int32_t older);
-
-  /// Links these observations into one chain, regardless of their previous chains; returns the
-  /// head, -1 for none.
-  std::int32_t relink(std::vector<std::int32_t> observations);
 
   /// The newest `most` observations of a chain, newest first.
   std::vector<std::int32_t> newest_of(std::int32_t head, std::size_t most) const;

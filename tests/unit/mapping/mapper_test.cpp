@@ -254,25 +254,6 @@ MapperConfig wide_gates() {
   return config;
 }
 
-TEST(Mapper, TwoTreesSeenAtOnceBecomeTwoHoweverWideTheGates) {
-  Mapper mapper(wide_gates());
-  for (int k = 1; k <= 60; ++k) {  // each is hidden now and then
-    std::vector<Detection> trunks;
-    if (k % 3 != 1) trunks.push_back(seen_at(3.0, 0.0));
-    if (k % 3 != 2) trunks.push_back(seen_at(3.0, 0.8));
-    mapper.update(scan_of(trunks, k), {});
-  }
-  const auto landmarks = mapper.landmarks();
-  ASSERT_EQ(landmarks.size(), 2u);
-  const std::size_t left = landmarks[0].y_m > landmarks[1].y_m ? 0 : 1;
-  EXPECT_NEAR(landmarks[1 - left].y_m, 0.0, 0.01);
-  EXPECT_NEAR(landmarks[left].y_m, 0.8, 0.01);
-  for (const Landmark& l : landmarks) {
-    EXPECT_EQ(l.num_observations, 40);  // what was an echo before they were told apart counts, too
-    EXPECT_LT(l.se_y_m, 0.01);
-  }
-}
-
 TEST(Mapper, StemsOfOneTreeSeenAtOnceStayOneByWideGates) {
   Mapper mapper(wide_gates());
   for (int k = 0; k < 60; ++k) {

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/finish/plants.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "geometry/point_grid.hpp"
+#include "geometry/statistics.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/tuning.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Landmarks with their places.
+struct PlacedLandmarks {
+  explicit PlacedLandmarks(std::vector<Landmark> all)
+      : landmarks(std::move(all)), places(landmark_positions(landmarks)) {}
+
+  std::vector<Landmark> landmarks;
+  geometry::IndexedPoints places;
+};
+
+/// A landmark that stands for a plant, by index.
+struct Plant {
+  std::size_t seen_most = 0;        ///< its most often seen part
+  std::size_t stem = 0;             ///< its most often seen tree; without one, seen_most
+  std::vector<std::int32_t> parts;  ///< ids of all its landmarks
+};
+
+/// The plants of a map, when their parts lie within `reach_m` of the part that is seen most.
+std::vector<Plant> plants_of(const PlacedLandmarks& all, double reach_m) {
+  const std::vector<Landmark>& l = all.landmarks;
+  std::vector<std::size_t> order(l.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (l[a].num_observations != l[b].num_observations) {
+      return l[a].num_observations > l[b].num_observations;
+    }
+    return l[a].id < l[b].id;
+  });
+  std::vector<char> is_part(l.size(), 0);
+  std::vector<Plant> plants;
+  for (const std::size_t i : order) {
+    if (is_part[i]) continue;
+    Plant plant{i, i, {}};
+    for (const std::int32_t near : all.places.within(all.places[i], reach_m)) {
+      const auto k = static_cast<std::size_t>(near);
+      if (is_part[k]) continue;
+      is_part[k] = 1;
+      plant.parts.push_back(l[k].id);
+      if (l[k].label != detection::Label::kTree) continue;
+      const Landmark& stem = l[plant.stem];
+      const bool is_more = stem.label != detection::Label::kTree ||
+                           l[k].num_observations > stem.num_observations ||
+                           (l[k].num_observations == stem.num_observations && l[k].id < stem.id);
+      if (is_more) plant.stem = k;
+    }
+    plants.push_back(std::move(plant));
+  }
+  return plants;
+}
+
+/// Each plant as one landmark: its stem, at its common place.
+std::vector<Landmark> joined(const std::vector<Landmark>& landmarks,
+                             const std::vector<Plant>& plants, const CommonPlace& place) {
+  std::vector<Landmark> all;
+  for (const Plant& plant : plants) {
+    Landmark& l = all.emplace_back(landmarks[plant.stem]);
+    if (plant.parts.size() < 2) continue;
+    const Landmark at = place(landmarks[plant.seen_most], plant.parts);
+    l.x_m = at.x_m;
+    l.y_m = at.y_m;
+    l.covariance = at.covariance;
+    l.se_x_m = at.se_x_m;
+    l.se_y_m = at.se_y_m;
+    l.num_observations = at.num_observations;
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Landmark& a, const Landmark& b) { return a.id < b.id; });
+  return all;
+}
+
+/// The place of the part that is seen most.
+Landmark of_seen_most(const Landmark& seen_most, const std::vector<std::int32_t>&) {
+  return seen_most;
+}
+
+/// Mean number of other landmarks within `reach_m` of one.
+double num_companions(const PlacedLandmarks& all, double reach_m) {
+  std::size_t num = 0;
+  for (const Eigen::Vector2d& p : all.places.points()) num += all.places.within(p, reach_m).size();
+  return static_cast<double>(num) / static_cast<double>(all.landmarks.size()) - 1.0;
+}
+
+/// Median distance from a landmark to the nearest other one [m]; 0 without any within
+/// `reach_max_m`.
+double nearest_distance_m(const PlacedLandmarks& all, double reach_max_m) {
+  std::vector<double> distances_m;
+  for (const Eigen::Vector2d& p : all.places.points()) {
+    const auto near = all.places.nearest_few(p, reach_max_m, 2);
+    if (near.size() < 2) continue;
+    distances_m.push_back((all.places[static_cast<std::size_t>(near[1])] - p).norm());
+  }
+  return geometry::median(std::move(distances_m));
+}
+
+/// Median spacing of all slots of the rows [m]; 0 without rows.
+double spacing_of_m(const std::vector<Row>& rows) {
+  std::vector<double> spacings_m;
+  for (const Row& row : rows) spacings_m.insert(spacings_m.end(), row.places.size(), row.spacing_m);
+  return geometry::median(std::move(spacings_m));
+}
+
+std::size_t num_trees(const std::vector<Row>& rows) {
+  std::size_t num = 0;
+  for (const Row& row : rows) {
+    for (const RowSlot& slot : row.places) num += slot.landmark_id != 0 ? 1u : 0u;
+  }
+  return num;
+}
+
+/// derived: plants of a row are not farther apart than this [m], the widest spacing of fruit trees.
+constexpr double kSpacingMax_m = 15.0;
+
+std::size_t num_labelled_trees(const std::vector<Landmark>& landmarks) {
+  return static_cast<std::size_t>(
+      std::count_if(landmarks.begin(), landmarks.end(),
+                    [](const Landmark& l) { return l.label == detection::Label::kTree; }));
+}
+
+/// derived: what is thinned out keeps its distance, so up to a quarter of it stands in rows by
+/// chance.
+constexpr std::size_t kPlantsPerTreeInRow = 3;
+
+/// Reach of a plant [m]: a third of the spacing of the rows, which appear when the parts are
+/// thinned out step by step: those with most trees. 0 if these are few of the plants so joined, if
+/// most trees stand in rows as they are, or if a landmark has on average less than one companion.
+double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
+  double reach_m = 0.0;
+  std::size_t most = 0;
+  for (double thinned_m = 0.0; thinned_m < tuning::kOnePlace_spacings * kSpacingMax_m;) {
+    const PlacedLandmarks thin(joined(all.landmarks, plants_of(all, thinned_m), of_seen_most));
+    const std::vector<Row> rows = find_rows(thin.landmarks, config);
+    const std::size_t num = num_trees(rows);
+    if (thinned_m == 0.0 && 2 * num > num_labelled_trees(thin.landmarks)) return 0.0;
+    if (num > most) {
+      most = num;
+      reach_m = tuning::kOnePlace_spacings * spacing_of_m(rows);
+    }
+    const double nearest_m = nearest_distance_m(thin, kSpacingMax_m);
+    if (nearest_m <= thinned_m) break;
+    thinned_m = nearest_m;
+  }
+  if (num_companions(all, reach_m) < 1.0) return 0.0;
+  const auto plants = joined(all.landmarks, plants_of(all, reach_m), of_seen_most);
+  return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
+}
+
+}  // namespace
+
+std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsConfig& config,
+                                  const CommonPlace& place) {
+  if (landmarks.empty()) return landmarks;
+  const PlacedLandmarks all(std::move(landmarks));
+  const double reach_m = reach_of_plants_m(all, config);
+  if (reach_m <= 0.0) return all.landmarks;
+  return joined(all.landmarks, plants_of(all, reach_m), place);
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "mapping/rows/rows.hpp"
+
+namespace orchard::mapping {
+
+/// A landmark at the place where the observations of all `parts` (ids) of a plant are densest;
+/// `seen_most`: its most often seen part.
+using CommonPlace =
+    std::function<Landmark(const Landmark& seen_most, const std::vector<std::int32_t>& parts)>;
+
+/// Joins the parts of each plant: stems, suckers, shoots and the whole of it, as scans from several
+/// sides cut it. In order of id.
+///
+/// A scan cannot tell two stems of one plant from two plants; the planting does. Where a landmark
+/// of this map has on average at least one other within a third of the spacing of its rows, those
+/// are one plant: its most often seen tree (without a tree, its most often seen part), at the
+/// common place of its parts. Maps without rows and those whose landmarks stand apart are left as
+/// they are.
+std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsConfig& config,
+                                  const CommonPlace& place);
+
+}  // namespace orchard::mapping

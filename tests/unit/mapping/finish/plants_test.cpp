@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/finish/plants.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "../rows/planted_rows.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+
+constexpr int kBlocks = 20;
+constexpr int kFirstPart = 100'000;  ///< ids of parts; those of planted trees are lower
+
+double uniform(std::mt19937_64& random, double a, double b) {
+  return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+test::Plan random_plan(std::mt19937_64& random) {
+  test::Plan plan;
+  plan.num_rows = 4 + static_cast<int>(random() % 5);
+  plan.num_places = 10 + static_cast<int>(random() % 15);
+  plan.tree_spacing_m = uniform(random, 1.2, 4.0);
+  plan.row_spacing_m = plan.tree_spacing_m * uniform(random, 1.2, 2.0);
+  plan.heading_rad = uniform(random, -3.0, 3.0);
+  plan.post_fraction = 0.0;
+  return plan;
+}
+
+/// Trees as map files have them: seen a hundred times.
+test::Planted planted(const test::Plan& plan, std::mt19937_64& random) {
+  test::Planted block = test::plant(plan, random);
+  for (Landmark& l : block.landmarks) l.num_observations = 80 + static_cast<int>(random() % 40);
+  return block;
+}
+
+/// The block as scans from several sides cut it: each tree with up to five stems or shoots, and
+/// every third as a whole that is no tree and is seen more often than its stem.
+std::vector<Landmark> cut_up(const test::Planted& block, double reach_m, std::mt19937_64& random) {
+  std::vector<Landmark> all = block.landmarks;
+  int id = kFirstPart;
+  for (const Landmark& tree : block.landmarks) {
+    const auto add = [&](double away_m, Label label, int num_observations) {
+      const double angle = uniform(random, 0.0, 2.0 * geometry::kPi);
+      Landmark part = tree;
+      part.id = ++id;
+      part.label = label;
+      part.num_observations = num_observations;
+      part.x_m += away_m * std::cos(angle);
+      part.y_m += away_m * std::sin(angle);
+      all.push_back(part);
+    };
+    const int num = 1 + static_cast<int>(random() % 5);
+    for (int k = 0; k < num; ++k) {
+      add(uniform(random, 0.1, 0.9) * reach_m, random() % 2 == 0 ? Label::kTree : Label::kObject,
+          5 + static_cast<int>(random() % 60));
+    }
+    if (random() % 3 == 0) add(0.02, Label::kObject, 150);
+  }
+  return all;
+}
+
+Landmark of_seen_most(const Landmark& seen_most, const std::vector<std::int32_t>&) {
+  return seen_most;
+}
+
+TEST(Plants, StemsAndShootsOfAPlantAreOneLandmark) {
+  std::mt19937_64 random(1);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    const test::Planted block = planted(plan, random);
+    const std::vector<Landmark> plants =
+        join_plants(cut_up(block, 0.25 * plan.tree_spacing_m, random), {}, of_seen_most);
+    ASSERT_EQ(plants.size(), block.landmarks.size());
+    for (const Landmark& tree : block.landmarks) {
+      const auto is_here = [&](const Landmark& l) {
+        return l.label == Label::kTree && std::hypot(l.x_m - tree.x_m, l.y_m - tree.y_m) < 0.1;
+      };
+      EXPECT_EQ(std::count_if(plants.begin(), plants.end(), is_here), 1) << "tree " << tree.id;
+    }
+  }
+}
+
+TEST(Plants, LandmarksThatStandApartStay) {
+  std::mt19937_64 random(2);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    test::Plan plan = random_plan(random);
+    plan.post_fraction = 0.3;
+    const test::Planted block = planted(plan, random);
+    EXPECT_EQ(join_plants(block.landmarks, {}, of_seen_most).size(), block.landmarks.size());
+  }
+}
+
+TEST(Plants, WithoutRowsNothingTellsStemsFromPlants) {
+  std::mt19937_64 random(3);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("thicket " + std::to_string(k));
+    test::Planted thicket;
+    for (int i = 1; i <= 80; ++i) {
+      Landmark l;
+      l.id = i;
+      l.label = Label::kTree;
+      l.num_observations = 80;
+      l.x_m = uniform(random, 0.0, 40.0);
+      l.y_m = uniform(random, 0.0, 40.0);
+      thicket.landmarks.push_back(l);
+    }
+    const std::vector<Landmark> all = cut_up(thicket, 0.5, random);
+    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), all.size());
+  }
+}
+
+TEST(Plants, OrderOfLandmarksDoesNotMatter) {
+  std::mt19937_64 random(4);
+  const test::Plan plan = random_plan(random);
+  const test::Planted block = planted(plan, random);
+  std::vector<Landmark> all = cut_up(block, 0.25 * plan.tree_spacing_m, random);
+  const std::vector<Landmark> once = join_plants(all, {}, of_seen_most);
+  std::shuffle(all.begin(), all.end(), random);
+  const std::vector<Landmark> again = join_plants(all, {}, of_seen_most);
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i) EXPECT_EQ(once[i].id, again[i].id);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

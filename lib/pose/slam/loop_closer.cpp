@@ -78,7 +78,7 @@ double residual_sd_m(const IndexedPoints& trees) {
 // yaw poorly; rounding of a reach; four standard deviations of the prior pose.
 constexpr std::size_t kNumPairs = 16;
 constexpr std::size_t kNumScored = 4000;
-constexpr std::int64_t kOperationsMax = 20'000'000;
+constexpr std::int64_t kSearchOperationsMax = 20'000'000;
 constexpr double kPairMin_m = 3.0;
 constexpr double kPairMargin_m = 1e-6;
 constexpr std::size_t kNumRefined = 30;
@@ -263,7 +263,7 @@ class ClosureMatcher {
   bool has_lattice() const { return std::isfinite(planted_m_); }
 
   std::int64_t num_operations() const { return num_operations_; }
-  bool is_beyond_budget() const { return num_operations_ > kOperationsMax; }
+  bool is_beyond_budget() const { return num_operations_ > kSearchOperationsMax; }
 
  private:
   /// Returns pairs of recent landmarks that determine the yaw well, the farthest apart first.

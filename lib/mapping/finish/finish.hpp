@@ -41,8 +41,8 @@ struct FinishConfig {
 };
 
 /// Finishes the map of a drive: leaves out landmarks with few observations and those that never
-/// existed, joins long objects and the parts of plants, finds rows and numbers, and the ways between
-/// them on ground that the scans saw free. A pure function of the mapper's state.
+/// existed, joins long objects and the parts of plants, finds rows and numbers, and the ways
+/// between them on ground that the scans saw free. A pure function of the mapper's state.
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
 /// a camera, parts of a hedge may be classified as trunks.

@@ -473,6 +473,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.graph = map.graph;
   content.trajectory = track_.poses();
   content.summary = summary;
+  content.summary.quality = mapping::doubts_of(map.landmarks, config_.rows.enabled);
   const auto count = [&](const char* name, Omission reason) {
     if (const std::size_t num = map.num_omitted(reason); num > 0) {
       content.summary.counts.emplace_back(name, num);

@@ -241,6 +241,10 @@ std::string summary_json(const MapFolderContent& content) {
       content.georeference->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
     json["warnings"].push_back(residual_warning(*content.georeference));
   }
+  json["quality"] = Json::array();
+  for (const mapping::Doubt& doubt : summary.quality) {
+    json["quality"].push_back({{"name", doubt.name}, {"text", doubt.text}});
+  }
   // Names from outside may be invalid UTF-8, which must not prevent writing the map.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

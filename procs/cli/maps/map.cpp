@@ -314,6 +314,9 @@ int run_map(const MapOptions& options) {
         "the map is empty: no object was observed at least mapper.min_observations times");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
+  for (const mapping::Doubt& doubt : content.summary.quality) {
+    std::fprintf(stderr, "orchard map: the map is doubtful: %s\n", doubt.text.c_str());
+  }
   std::optional<EarlierIdentity> kept;
   if (previous) {
     kept = transfer_identity(*previous, options.previous_alignment, content);

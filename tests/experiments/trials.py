@@ -630,6 +630,10 @@ def real(lab, seeds):
         figures[f"clear_{number}"] = f"{clear[1]} of {clear[0]}"
         path = lab.path(alone, source / "poses.csv")["ape_position_m"]
         figures[f"path_{number}"] = f"{path['rmse']:.3f} m, {path['max']:.2f} m"
+        ten_keys = lab.rig("pullally_laser_only", {"detector.segmentation.blind_half_width_rad": 0.0,
+                                                   "mapper.observation_range_max_m": 100.0})
+        same = lab.run("clear_trees", source, lab.map(log, ten_keys, "--quiet"), folder)
+        figures[f"ten_{number}"] = "{} of {}".format(*re.search(r"one landmark for (\d+) of (\d+)", same).groups())
     log, source = lab.recording("koala_poles")
     folder = lab.map(log, lab.rig("koala"), "--quiet")
     ends = re.findall(r"lie ([\d.]+) m and ([\d.]+) degrees", lab.run("return_trip", source, folder, ROOT / "config/koala.yaml"))

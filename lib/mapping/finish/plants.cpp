@@ -31,6 +31,9 @@ struct Plant {
   std::vector<std::int32_t> parts;  ///< ids of all its landmarks
 };
 
+/// A hedge or wall: its position is that of its middle, beside which anything may stand.
+bool is_long(const Landmark& l) { return l.length_m > 0.0; }
+
 /// The plants of a map, when their parts lie within `reach_m` of the part that is seen most.
 std::vector<Plant> plants_of(const PlacedLandmarks& all, double reach_m) {
   const std::vector<Landmark>& l = all.landmarks;
@@ -47,9 +50,13 @@ std::vector<Plant> plants_of(const PlacedLandmarks& all, double reach_m) {
   for (const std::size_t i : order) {
     if (is_part[i]) continue;
     Plant plant{i, i, {}};
+    if (is_long(l[i])) {
+      plants.push_back(std::move(plant));
+      continue;
+    }
     for (const std::int32_t near : all.places.within(all.places[i], reach_m)) {
       const auto k = static_cast<std::size_t>(near);
-      if (is_part[k]) continue;
+      if (is_part[k] || is_long(l[k])) continue;
       is_part[k] = 1;
       plant.parts.push_back(l[k].id);
       if (l[k].label != detection::Label::kTree) continue;

@@ -119,6 +119,25 @@ TEST(Plants, WithoutRowsNothingTellsStemsFromPlants) {
   }
 }
 
+TEST(Plants, AHedgeThroughThePlantsIsNoPartOfThem) {
+  std::mt19937_64 random(5);
+  const test::Plan plan = random_plan(random);
+  const test::Planted block = planted(plan, random);
+  std::vector<Landmark> all = cut_up(block, 0.25 * plan.tree_spacing_m, random);
+  Landmark hedge = block.landmarks.front();
+  hedge.id = 1;
+  hedge.label = Label::kObject;
+  hedge.num_observations = 500;
+  hedge.length_m = 20.0;
+  hedge.x_m += 0.1 * plan.tree_spacing_m;
+  all.push_back(hedge);
+  const std::vector<Landmark> plants = join_plants(all, {}, of_seen_most);
+  EXPECT_EQ(plants.size(), block.landmarks.size() + 1);
+  EXPECT_EQ(plants.front().id, hedge.id);
+  EXPECT_EQ(plants.front().length_m, hedge.length_m);
+  EXPECT_EQ(plants.front().label, Label::kObject);
+}
+
 TEST(Plants, OrderOfLandmarksDoesNotMatter) {
   std::mt19937_64 random(4);
   const test::Plan plan = random_plan(random);

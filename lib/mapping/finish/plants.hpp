@@ -22,8 +22,7 @@ using CommonPlace =
 /// of this map has on average at least one other within a third of the spacing of its rows, those
 /// are one plant: its most often seen tree (without a tree, its most often seen part), at the
 /// common place of its parts. Hedges and walls are no parts. Maps without rows and those whose
-/// landmarks stand apart are left as
-/// they are.
+/// landmarks stand apart are left as they are.
 std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsConfig& config,
                                   const CommonPlace& place);
 

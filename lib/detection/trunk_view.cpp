@@ -59,15 +59,30 @@ struct Projection {
 
   std::optional<ProjectedPoint> anywhere(double range_m, double bearing_rad,
                                          std::size_t beam) const {
+    const Eigen::Vector3d p_camera = in_camera(range_m, bearing_rad, beam);
+    const auto pixel = rig.camera.project(p_camera);
+    return pixel ? std::optional(ProjectedPoint{*pixel, p_camera.z()}) : std::nullopt;
+  }
+
+  /// Also where the lens' distortion is not known: there without distortion.
+  std::optional<Eigen::Vector2d> without_borders(double range_m, double bearing_rad,
+                                                 std::size_t beam) const {
+    const Eigen::Vector3d p_camera = in_camera(range_m, bearing_rad, beam);
+    if (!(std::abs(p_camera.x()) < std::tan(kFieldMax_rad) * p_camera.z())) return std::nullopt;
+    if (const auto pixel = rig.camera.project(p_camera)) return pixel;
+    const auto& intrinsics = rig.camera.intrinsics();
+    return Eigen::Vector2d(
+        intrinsics.cc_px[0] + intrinsics.fc_px[0] * p_camera.x() / p_camera.z(),
+        intrinsics.cc_px[1] + intrinsics.fc_px[1] * p_camera.y() / p_camera.z());
+  }
+
+  Eigen::Vector3d in_camera(double range_m, double bearing_rad, std::size_t beam) const {
     PlanePoint p_laser{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
     if (motion) {
       const double dt_s = motion->dt_s(static_cast<double>(beam));
       p_laser = moved(p_laser, rig.laser, motion->motion, dt_s);
     }
-    const Eigen::Vector3d p_camera =
-        rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
-    const auto pixel = rig.camera.project(p_camera);
-    return pixel ? std::optional(ProjectedPoint{*pixel, p_camera.z()}) : std::nullopt;
+    return rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
   }
 };
 
@@ -99,6 +114,18 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
   const auto right_edge = window(*right, sizes.edge_width_m, sizes.edge_height_m, rig);
   if (!centre || !left_edge || !right_edge) return std::nullopt;
   return TrunkView{*centre, *left_edge, *right_edge, left->pixel.x(), right->pixel.x()};
+}
+
+std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,
+                                   const std::optional<ScanToPicture>& motion) {
+  const Projection project{rig, motion};
+  const auto left = project.without_borders(segment.start_range_m, segment.start_bearing_rad,
+                                            segment.first_beam);
+  const auto right =
+      project.without_borders(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
+  if (!left || !right) return std::nullopt;
+  return SidePixels{std::min(left->x(), right->x()), std::max(left->x(), right->x()),
+                    0.5 * (left->y() + right->y())};
 }
 
 std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,

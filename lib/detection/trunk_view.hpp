@@ -31,6 +31,21 @@ vision::PixelRect picture_of(const Rig& rig);
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
                                  const std::optional<ScanToPicture>& motion = std::nullopt);
 
+/// Where an object's two sides and the scan's plane are expected, also outside the image.
+struct SidePixels {
+  double left_x_px = 0.0;
+  double right_x_px = 0.0;
+  double row_px = 0.0;
+};
+
+/// Projects the sides of a segment as view_of() does, without the image's borders. None for what is
+/// more than kFieldMax_rad from the camera's axis.
+std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,
+                                   const std::optional<ScanToPicture>& motion = std::nullopt);
+
+/// derived: wider lenses are no pinhole cameras.
+inline constexpr double kFieldMax_rad = 1.2;
+
 /// Projects a point of the scan to its column and row in the image, with motion as in view_of().
 /// None outside the image.
 std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,

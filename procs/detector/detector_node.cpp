@@ -143,14 +143,17 @@ std::string InputHealth::odometry_text(bool ended, std::int64_t num_without_moti
 }
 
 JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
-                      const detection::Rig& rig, std::optional<double> edge_reach_px) {
+                      const detection::Rig& rig, const CameraQuestions& questions) {
   JudgedPair judged;
   std::optional<vision::PictureReader> picture;
   if (pair.image) picture.emplace(*pair.image);
-  if (picture && edge_reach_px) {
+  if (picture && questions.sight) {
+    judged.sight = detection::camera_sight(findings, *picture, rig, pair.motion);
+  }
+  if (picture && questions.edge_reach_px) {
     judged.edge_offsets_px.emplace();
-    for (const auto& seen :
-         detection::find_candidate_edges(findings, *picture, rig, pair.motion, *edge_reach_px)) {
+    for (const auto& seen : detection::find_candidate_edges(findings, *picture, rig, pair.motion,
+                                                            *questions.edge_reach_px)) {
       judged.edge_offsets_px->push_back(seen.offsets.front().middle_px());
     }
   }
@@ -163,15 +166,15 @@ void PrecomputedDetections::compute() {
   if (scan_alone_ != nullptr) alone = detection::detect(*scan_alone_, nullptr, *rig_);
   for (Pair& p : pairs) {
     p.judged =
-        judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.edge_reach_px);
+        judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.questions);
   }
 }
 
 bool PrecomputedDetections::Pair::is_of(const detection::ScanImagePair& other,
-                                        const std::optional<double>& other_reach_px) const {
+                                        const CameraQuestions& others) const {
   return pair.scan.utime == other.scan.utime && pair.scan.seq == other.scan.seq &&
          are_equal(pair.image, other.image) && are_equal(pair.motion, other.motion) &&
-         edge_reach_px == other_reach_px;
+         questions == others;
 }
 
 DetectionPrecomputer::DetectionPrecomputer(const io::Config& config, const detection::Rig& rig,
@@ -204,12 +207,12 @@ std::unique_ptr<PrecomputedDetections> DetectionPrecomputer::precompute(const bu
         detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
   }
   for (detection::ScanImagePair& pair : pairs) {
-    std::optional<double> reach_px;
+    CameraQuestions questions;
     if (pair.image && monitor_.is_due(pair.scan.utime)) {
-      reach_px = edge_reach_px_;
+      questions = {edge_reach_px_, num_sights_++ < detection::CameraCheck::kPicturesMax};
       monitor_.add(pair.scan.utime, {});
     }
-    precomputed->pairs.push_back({std::move(pair), reach_px, {}});
+    precomputed->pairs.push_back({std::move(pair), questions, {}});
   }
   return precomputed;
 }
@@ -223,10 +226,13 @@ DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
       pairer_(make_pairer(config)),
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
+      camera_check_(rig_),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
                      std::tan(detection::tuning::kSearchWindow_deg * geometry::kPi / 180.0)),
       has_wheels_(has_wheels(config)),
-      health_(config) {
+      health_(config),
+      range_noise_(config.laser, config.detector.segmentation.blind_sector(),
+                   config.detector.segmentation.range_max_m, config.detector.segmentation.jump_m) {
   if (config.laser_rear.enabled) {
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
     joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
@@ -248,6 +254,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     health_.note_scan(*scan);
+    range_noise_.add(*scan);
     if (!rig_.has_camera) {
       return send_result(detect_alone(*scan, rig_), detection::turn_us(*scan), send);
     }
@@ -271,6 +278,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
 void DetectorNode::flush(const bus::Outbox& send) {
   for (const auto& pair : pairer_.flush()) send_detections(pair, send);
   if (joiner_) send_views(joiner_->flush(), send);
+  camera_check_.finish();
   ended_ = true;
 }
 
@@ -299,6 +307,12 @@ std::string DetectorNode::warning() const {
   return text + (text.empty() || inputs.empty() ? "" : "; ") + inputs;
 }
 
+std::vector<Finding> DetectorNode::findings() const {
+  std::vector<Finding> findings = camera_check_.findings();
+  if (auto noise = range_noise_.finding()) findings.push_back(*std::move(noise));
+  return findings;
+}
+
 std::unique_ptr<bus::Precomputation> DetectorNode::precompute(const bus::Message& input) {
   return precomputer_->precompute(input);
 }
@@ -317,14 +331,16 @@ detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
 JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
   std::optional<detection::LaserFindings> findings = std::move(findings_.front());
   findings_.pop_front();
-  std::optional<double> edge_reach_px;
-  if (pair.image && monitor_.is_due(pair.scan.utime)) edge_reach_px = edge_reach_px_;
+  CameraQuestions questions;
+  if (pair.image && monitor_.is_due(pair.scan.utime)) {
+    questions = {edge_reach_px_, num_sights_++ < detection::CameraCheck::kPicturesMax};
+  }
   if (precomputed_ && num_precomputed_used_ < precomputed_->pairs.size()) {
     PrecomputedDetections::Pair& precomputed = precomputed_->pairs[num_precomputed_used_++];
-    if (precomputed.is_of(pair, edge_reach_px)) return std::move(precomputed.judged);
+    if (precomputed.is_of(pair, questions)) return std::move(precomputed.judged);
   }
   if (!findings) findings = detection::find_by_laser(pair.scan, rig_);
-  return judge_pair(*std::move(findings), pair, rig_, edge_reach_px);
+  return judge_pair(*std::move(findings), pair, rig_, questions);
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
@@ -335,6 +351,7 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
     health_.note_no_picture();
   }
   if (judged.edge_offsets_px) monitor_.add(pair.scan.utime, *judged.edge_offsets_px);
+  if (judged.sight) camera_check_.add(*std::move(judged.sight));
   detection::DetectResult& result = judged.result;
   if (result.image_needed) health_.note_needed_picture(*pair.image, !result.image_unusable);
   send_result(std::move(result), detection::turn_us(pair.scan), send);

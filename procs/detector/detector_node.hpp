@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bus/node/node.hpp"
+#include "detection/camera_check.hpp"
 #include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
 #include "detection/rear_joiner.hpp"
@@ -16,6 +17,7 @@
 #include "detection/scan_image_pairer.hpp"
 #include "io/config/config.hpp"
 #include "laser/own_returns.hpp"
+#include "laser/range_noise.hpp"
 #include "laser/scan.hpp"
 #include "vision/image.hpp"
 
@@ -68,13 +70,23 @@ struct JudgedPair {
   /// Found minus expected column of each object's centre [px]; none when the edges were not
   /// compared.
   std::optional<std::vector<double>> edge_offsets_px;
+  std::optional<detection::CameraSight> sight;  ///< for CameraCheck; none when not asked for
 };
 
-/// Classifies the laser findings of a scan with its picture. A pure function. With `edge_reach_px`,
-/// also searches the image edges within this window [px] for the extrinsics monitor, without effect
-/// on the detections.
+/// What the monitors of the camera want to know of a picture.
+struct CameraQuestions {
+  std::optional<double> edge_reach_px;  ///< the window [px] of the extrinsics monitor
+  bool sight = false;
+
+  bool operator==(const CameraQuestions& o) const {
+    return edge_reach_px == o.edge_reach_px && sight == o.sight;
+  }
+};
+
+/// Classifies the laser findings of a scan with its picture. A pure function. `questions` have no
+/// effect on the detections.
 JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
-                      const detection::Rig& rig, std::optional<double> edge_reach_px);
+                      const detection::Rig& rig, const CameraQuestions& questions);
 
 /// The detector's results for one input, computed ahead of its turn.
 class PrecomputedDetections : public bus::Precomputation {
@@ -86,12 +98,11 @@ class PrecomputedDetections : public bus::Precomputation {
   /// The scan-image pairs completed by the input, in order.
   struct Pair {
     detection::ScanImagePair pair;
-    std::optional<double> edge_reach_px;
+    CameraQuestions questions;
     JudgedPair judged;
 
-    /// True if this is the pair and the search window that the detector itself arrived at.
-    bool is_of(const detection::ScanImagePair& other,
-               const std::optional<double>& other_reach_px) const;
+    /// True if this is the pair and the questions that the detector itself arrived at.
+    bool is_of(const detection::ScanImagePair& other, const CameraQuestions& others) const;
   };
   std::vector<Pair> pairs;
 
@@ -118,6 +129,7 @@ class DetectionPrecomputer {
   double edge_reach_px_;
   detection::ScanImagePairer pairer_;
   detection::ConsistencyMonitor monitor_;  ///< only for is_due()
+  int num_sights_ = 0;                     ///< asked for so far
 };
 
 /// Makes the pairer of scans and pictures for a configuration.
@@ -150,6 +162,9 @@ class DetectorNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override;
+  std::vector<Finding> findings() const override;
+  /// Noise of a range over what the rig states; none if not seen.
+  std::optional<double> range_noise_ratio() const { return range_noise_.ratio(); }
 
  private:
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
@@ -171,9 +186,12 @@ class DetectorNode : public bus::Node {
   std::int64_t num_unusable_ = 0;     ///< unusable pictures, and scans without intensities
   bool intensities_missing_ = false;  ///< of the newest scan answered
   detection::ConsistencyMonitor monitor_;
+  detection::CameraCheck camera_check_;
+  int num_sights_ = 0;  ///< asked for so far
   double edge_reach_px_;
   bool has_wheels_;
   InputHealth health_;
+  laser::RangeNoise range_noise_;
   bool ended_ = false;
 };
 

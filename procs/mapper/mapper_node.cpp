@@ -11,6 +11,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
+#include "mapping/finish/findings.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "timing/units.hpp"
@@ -473,7 +474,9 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.graph = map.graph;
   content.trajectory = track_.poses();
   content.summary = summary;
-  content.summary.quality = mapping::doubts_of(map.landmarks, config_.rows.enabled);
+  for (Finding& finding : mapping::findings_of(map.landmarks, config_.rows.enabled)) {
+    content.summary.quality.push_back(std::move(finding));
+  }
   const auto count = [&](const char* name, Omission reason) {
     if (const std::size_t num = map.num_omitted(reason); num > 0) {
       content.summary.counts.emplace_back(name, num);

@@ -30,6 +30,19 @@ timing::OrderedQueue<pose::Measurement, kNumKinds>::Rules rules_of(
   return rules;
 }
 
+pose::RigFacts rig_facts(const io::Config& config) {
+  return {config.laser, config.laser_rear, config.detector.segmentation.blind_sector(),
+          config.pose.scan_motion, config.pose.gnss};
+}
+
+/// The channels that tell whether the rig is as it is said to be.
+constexpr bus::Channel kRigChannels[] = {bus::Channel::kScan, bus::Channel::kOdometry,
+                                         bus::Channel::kPoseFix, bus::Channel::kGnss};
+
+bool contains(const std::vector<bus::Channel>& channels, bus::Channel channel) {
+  return std::find(channels.begin(), channels.end(), channel) != channels.end();
+}
+
 /// Converts a message to a measurement; none for other messages.
 std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
   return std::visit(
@@ -56,9 +69,12 @@ PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocato
         return pose::make_localiser(config.pose, prior_map, config.laser,
                                     config.detector.segmentation.blind_sector(), memory);
       }),
-      localiser_(make_localiser_()) {}
+      localiser_(make_localiser_()),
+      checks_rig_(config.pose.mode != pose::PoseMode::kStationary),
+      rig_(rig_facts(config)),
+      rig_monitor_(rig_) {}
 
-std::vector<bus::Channel> PoseNode::inputs() const {
+std::vector<bus::Channel> PoseNode::mode_inputs() const {
   std::vector<bus::Channel> channels;
   for (std::size_t kind = 0; kind < waits_s_.size(); ++kind) {
     if (waits_s_[kind]) channels.push_back(kChannelOfKind[kind]);
@@ -66,24 +82,52 @@ std::vector<bus::Channel> PoseNode::inputs() const {
   return channels;
 }
 
+std::vector<bus::Channel> PoseNode::inputs() const {
+  std::vector<bus::Channel> channels = mode_inputs();
+  if (!checks_rig_) return channels;
+  for (const bus::Channel channel : kRigChannels) {
+    if (!contains(channels, channel)) channels.push_back(channel);
+  }
+  if (rig_.laser_rear.enabled) channels.push_back(bus::Channel::kScanRear);
+  return channels;
+}
+
 /// GNSS and IMU are optional; odometry, scans and trunks are required by the modes that use them.
+/// What only checks the rig may be absent.
 bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
+  const std::vector<bus::Channel> of_mode = mode_inputs();
+  if (!contains(of_mode, channel)) return bus::InputNeed::kOccasional;
   if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
     return bus::InputNeed::kOptional;
   }
   // With odometry, scans are used only for loop closure.
-  const bool has_wheels =
-      waits_s_[static_cast<std::size_t>(pose::MeasurementKind::kOdometry)].has_value();
-  if (channel == bus::Channel::kScan && has_wheels) return bus::InputNeed::kOptional;
-  const bool only_fixes = channel == bus::Channel::kPoseFix && inputs().size() == 1;
+  if (channel == bus::Channel::kScan && contains(of_mode, bus::Channel::kOdometry)) {
+    return bus::InputNeed::kOptional;
+  }
+  const bool only_fixes = channel == bus::Channel::kPoseFix && of_mode.size() == 1;
   return only_fixes ? bus::InputNeed::kRequired : Node::need_of(channel);
 }
 
 void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  if (checks_rig_) check_rig(input);
   if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
-    push(*std::move(measurement));
+    if (waits_s_[measurement->index()]) push(*std::move(measurement));
   }
   while (const auto measurement = queue_.pop()) use(*measurement, send);
+}
+
+void PoseNode::check_rig(const bus::Message& input) {
+  if (const auto* rear = std::get_if<laser::RearScan>(&input)) {
+    rig_monitor_.add_rear(*rear);
+  } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    rig_monitor_.add(*scan);
+  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+    rig_monitor_.add(*odometry);
+  } else if (const auto* fix = std::get_if<pose::PoseFix>(&input)) {
+    rig_monitor_.add(*fix);
+  } else if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
+    rig_monitor_.add(*gnss);
+  }
 }
 
 void PoseNode::push(pose::Measurement measurement) {
@@ -94,6 +138,7 @@ void PoseNode::push(pose::Measurement measurement) {
     released_utime_ = last_utime_ = Queue::kNever;
     while (queue_.pop_flushed()) ++num_late_;
     localiser_ = make_localiser_();
+    rig_monitor_ = pose::RigMonitor(rig_);
   } else if (clock_utime_ && utime > *clock_utime_ + Queue::kClockSet_us) {
     ++num_late_;  // it still has the old clock
     return;
@@ -111,6 +156,7 @@ void PoseNode::push(pose::Measurement measurement) {
 void PoseNode::flush(const bus::Outbox& send) {
   while (const auto measurement = queue_.pop_flushed()) use(*measurement, send);
   localiser_->finish();
+  if (checks_rig_) rig_monitor_.finish();
   // The last pose was sent before this correction, so it is corrected like those before it.
   send_correction(send, last_utime_ + 1);
 }

@@ -15,6 +15,7 @@
 #include "pose/graph/record_store.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurements.hpp"
+#include "pose/rig/rig_monitor.hpp"
 #include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {
@@ -36,12 +37,18 @@ class PoseNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override { return localiser_->warning(); }
+  std::vector<Finding> findings() const override { return rig_monitor_.findings(); }
+  /// What the drive tells about the rig.
+  const pose::RigEstimates& rig_estimates() const { return rig_monitor_.estimates(); }
   /// Statistics of the localiser as named numbers.
   std::vector<std::pair<std::string, std::int64_t>> statistics() const {
     return localiser_->statistics();
   }
 
  private:
+  /// The channels that pose.mode uses; the others only check the rig.
+  std::vector<bus::Channel> mode_inputs() const;
+  void check_rig(const bus::Message& input);
   void push(pose::Measurement measurement);
   void use(const pose::Measurement& measurement, const bus::Outbox& send);
   void send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send);
@@ -59,6 +66,9 @@ class PoseNode : public bus::Node {
   std::optional<std::int64_t> clock_utime_;
   std::function<std::unique_ptr<pose::Localiser>()> make_localiser_;
   std::unique_ptr<pose::Localiser> localiser_;
+  bool checks_rig_;
+  pose::RigFacts rig_;
+  pose::RigMonitor rig_monitor_;
   std::int64_t last_utime_ = std::numeric_limits<std::int64_t>::min();  ///< of the last POSE
   std::int32_t next_seq_ = 0;
   std::int32_t next_page_seq_ = 0;

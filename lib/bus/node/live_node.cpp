@@ -270,7 +270,7 @@ Status LiveNode::status() const {
         duplicate + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   if (!has_started_) add(Level::kWaiting, "starting; what arrives waits");
-  add(Level::kWarning, node_.warning());
+  add(Level::kWarning, warning_text(node_));
   std::string inputs;
   const Level inputs_level = describe_inputs(inputs);
   add(inputs_level, inputs);

@@ -9,6 +9,14 @@
 
 namespace orchard::bus {
 
+std::string warning_text(const Node& node) {
+  std::string text = node.warning();
+  for (const Finding& finding : node.findings()) {
+    text += (text.empty() ? "" : "; ") + finding.text;
+  }
+  return text;
+}
+
 std::vector<std::pair<std::string, std::int64_t>> named_counts(
     const TrafficCounts& traffic, const std::vector<const Node*>& nodes) {
   std::vector<std::pair<std::string, std::int64_t>> counts;

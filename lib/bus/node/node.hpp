@@ -14,6 +14,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/messages/message.hpp"
 #include "bus/node/sequence_gate.hpp"
+#include "text/finding.hpp"
 
 namespace orchard::bus {
 
@@ -94,7 +95,14 @@ class Node {
   /// Describes for the user what is wrong with the inputs (such as a rotated camera); empty if
   /// nothing. Shown in STATUS with level WARNING. After flush(): all problems seen during the run.
   virtual std::string warning() const { return {}; }
+
+  /// What of the configuration the inputs contradict (such as the place of a sensor), beside
+  /// warning() and shown like it. After flush(): by all inputs.
+  virtual std::vector<Finding> findings() const { return {}; }
 };
+
+/// warning() and findings() of a node in one text; empty if nothing is wrong.
+std::string warning_text(const Node& node);
 
 /// Messages handled, published, rejected and lost, for a log or a live process.
 struct TrafficCounts {

@@ -343,7 +343,7 @@ Status LockstepNode::status() const {
   status.num_late = node_->counts().num_late;
   status.num_published = host_->num_published();
   status.text = "in a lockstep replay";
-  if (const std::string warning = node_->warning(); !warning.empty()) {
+  if (const std::string warning = warning_text(*node_); !warning.empty()) {
     status.level = Level::kWarning;
     status.text += "; " + warning;
   }

@@ -242,8 +242,9 @@ std::string summary_json(const MapFolderContent& content) {
     json["warnings"].push_back(residual_warning(*content.georeference));
   }
   json["quality"] = Json::array();
-  for (const mapping::Doubt& doubt : summary.quality) {
-    json["quality"].push_back({{"name", doubt.name}, {"text", doubt.text}});
+  for (const Finding& finding : summary.quality) {
+    json["quality"].push_back(
+        {{"name", finding.name}, {"key", finding.key}, {"text", finding.text}});
   }
   // Names from outside may be invalid UTF-8, which must not prevent writing the map.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -11,7 +11,7 @@
 #include "io/map/map_csv.hpp"
 #include "mapping/album/album.hpp"
 #include "mapping/compare/visibility.hpp"
-#include "mapping/finish/doubts.hpp"
+#include "text/finding.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
@@ -32,7 +32,7 @@ struct MapSummary {
   std::vector<std::pair<std::string, std::int64_t>>
       counts;  ///< messages by channel, drops by reason
   std::vector<std::string> warnings;
-  std::vector<mapping::Doubt> quality;  ///< what is doubtful about the map, the worst first
+  std::vector<Finding> quality;  ///< what is doubtful about the map, the worst first
 };
 
 /// A time interval that was mapped without one of the rig's sensors.

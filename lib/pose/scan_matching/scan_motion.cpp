@@ -316,7 +316,8 @@ ScanMotion::ScanMotion(const ScanMotionConfig& config, const laser::LaserConfig&
                        const laser::BlindSector& blind)
     : config_(config), mount_(mount), blind_(blind), map_(config_) {}
 
-std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
+std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
+                                              const std::optional<Eigen::Vector3d>& predicted) {
   if (utime_ && scan.utime <= *utime_) return std::nullopt;
   std::vector<SurfacePoint> points = surface_points(scan, mount_, blind_, velocity_, config_);
   if (!utime_) {
@@ -334,8 +335,9 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
   const bool is_swept = config_.deskew && scan.beam_period_us > 0.0;
   Eigen::Vector3d straight_on = last_motion_;
   straight_on.z() = 0.0;
-  const std::vector<Eigen::Vector3d> guesses{compose(T_map_base_, last_motion_),
-                                             compose(T_map_base_, straight_on), T_map_base_};
+  std::vector<Eigen::Vector3d> guesses{compose(T_map_base_, last_motion_),
+                                       compose(T_map_base_, straight_on), T_map_base_};
+  if (predicted) guesses.push_back(compose(T_map_base_, *predicted));
   Eigen::Vector3d T_map_base = guesses.front();
   const bool comparable = static_cast<int>(few.size()) >= kPointsMin && !map_.empty();
   if (comparable) {

@@ -105,8 +105,10 @@ class ScanMotion {
              const laser::BlindSector& blind);
 
   /// Returns the motion since the previous scan. None for the first scan, and for a scan that is
-  /// not later than the previous one, which is ignored. All numbers are finite.
-  std::optional<MeasuredMotion> add(const laser::Scan& scan);
+  /// not later than the previous one, which is ignored. All numbers are finite. `predicted`:
+  /// the motion as another sensor tells it, one more place to begin the search at.
+  std::optional<MeasuredMotion> add(const laser::Scan& scan,
+                                    const std::optional<Eigen::Vector3d>& predicted = {});
 
  private:
   void remember(const std::vector<SurfacePoint>& points);

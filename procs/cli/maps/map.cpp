@@ -228,6 +228,26 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
       options.no_derived ? "" : ", derived.lcm (all intermediate messages)");
 }
 
+/// What the drive contradicts of the rig: first where the sensors are, which may be the cause of
+/// what the pictures contradict.
+std::vector<Finding> findings_of(const MapPipeline& pipeline) {
+  std::vector<Finding> findings = pipeline.pose->findings();
+  for (Finding& finding : pipeline.detector.findings()) findings.push_back(std::move(finding));
+  return findings;
+}
+
+/// Tells the worst findings: a wrong rig is the cause of much else, and so comes first.
+void tell_findings(const std::vector<Finding>& findings) {
+  const std::size_t num_told = std::min<std::size_t>(findings.size(), 3);
+  for (std::size_t i = 0; i < num_told; ++i) {
+    std::fprintf(stderr, "orchard map: the map is doubtful: %s\n", findings[i].text.c_str());
+  }
+  if (num_told < findings.size()) {
+    std::fprintf(stderr, "orchard map: %zu more such findings in summary.json, section quality\n",
+                 findings.size() - num_told);
+  }
+}
+
 /// The laser's field of view from the rig and the log's first scan, for later comparisons.
 mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
@@ -297,7 +317,6 @@ int run_map(const MapOptions& options) {
     std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
   }
   require_usable(options, config.pose, *pipeline.pose, report);
-
   io::MapSummary summary;
   summary.source = logs_of(options).names();
   summary.config_hash = io::config_hash(config);
@@ -306,6 +325,7 @@ int run_map(const MapOptions& options) {
   summary.last_utime = report.last_utime;
   summary.counts = counts_of(report, pipeline);
   summary.warnings = std::move(warnings);
+  summary.quality = findings_of(pipeline);
   pipeline.pose.reset();
   io::MapFolderContent content = pipeline.mapper.content(summary);
   content.view = sensor_view(config, logs_of(options));
@@ -314,9 +334,7 @@ int run_map(const MapOptions& options) {
         "the map is empty: no object was observed at least mapper.min_observations times");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  for (const mapping::Doubt& doubt : content.summary.quality) {
-    std::fprintf(stderr, "orchard map: the map is doubtful: %s\n", doubt.text.c_str());
-  }
+  tell_findings(content.summary.quality);
   std::optional<EarlierIdentity> kept;
   if (previous) {
     kept = transfer_identity(*previous, options.previous_alignment, content);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/finish/doubts.hpp"
+#include "mapping/finish/findings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 namespace orchard::mapping {
 namespace {
 
-std::vector<std::string> names_of(const std::vector<Doubt>& doubts) {
+std::vector<std::string> names_of(const std::vector<Finding>& findings) {
   std::vector<std::string> names;
-  for (const Doubt& doubt : doubts) names.push_back(doubt.name);
+  for (const Finding& finding : findings) names.push_back(finding.name);
   return names;
 }
 
@@ -27,13 +27,13 @@ std::vector<Landmark> numbered_block(int seed) {
   return landmarks;
 }
 
-TEST(Doubts, ABlockInRowsIsNotDoubtful) {
+TEST(MapFindings, ABlockInRowsIsNotDoubtful) {
   for (int seed = 1; seed <= 20; ++seed) {
-    EXPECT_EQ(names_of(doubts_of(numbered_block(seed), true)), std::vector<std::string>{});
+    EXPECT_EQ(names_of(findings_of(numbered_block(seed), true)), std::vector<std::string>{});
   }
 }
 
-TEST(Doubts, TreesThatStandInOneAnotherAreCounted) {
+TEST(MapFindings, TreesThatStandInOneAnotherAreCounted) {
   std::vector<Landmark> landmarks = numbered_block(1);
   Landmark twin = landmarks.front();
   twin.id = 9999;
@@ -41,32 +41,32 @@ TEST(Doubts, TreesThatStandInOneAnotherAreCounted) {
   landmarks.front().label = detection::Label::kTree;
   twin.x_m += 0.11;
   landmarks.push_back(twin);
-  ASSERT_EQ(names_of(doubts_of(landmarks, true)), std::vector<std::string>{"overlapping_trees"});
-  EXPECT_EQ(doubts_of(landmarks, true).front().text.substr(0, 8), "2 trees ");
+  ASSERT_EQ(names_of(findings_of(landmarks, true)), std::vector<std::string>{"overlapping_trees"});
+  EXPECT_EQ(findings_of(landmarks, true).front().text.substr(0, 8), "2 trees ");
   landmarks.back().x_m += 0.02;
-  EXPECT_EQ(names_of(doubts_of(landmarks, true)), std::vector<std::string>{});
+  EXPECT_EQ(names_of(findings_of(landmarks, true)), std::vector<std::string>{});
 }
 
-TEST(Doubts, ManyTreesWithoutARow) {
+TEST(MapFindings, ManyTreesWithoutARow) {
   std::vector<Landmark> landmarks = numbered_block(1);
   for (Landmark& l : landmarks) l.row = l.position = 0;
-  EXPECT_EQ(names_of(doubts_of(landmarks, true)), std::vector<std::string>{"no_rows"});
-  EXPECT_EQ(names_of(doubts_of(landmarks, false)), std::vector<std::string>{});
+  EXPECT_EQ(names_of(findings_of(landmarks, true)), std::vector<std::string>{"no_rows"});
+  EXPECT_EQ(names_of(findings_of(landmarks, false)), std::vector<std::string>{});
 }
 
-TEST(Doubts, HardlyATreeAmongManyLandmarks) {
+TEST(MapFindings, HardlyATreeAmongManyLandmarks) {
   std::vector<Landmark> landmarks = numbered_block(1);
   for (Landmark& l : landmarks) {
     l.label = detection::Label::kObject;
     l.row = l.position = 0;
     l.width_m = 0.31;
   }
-  const std::vector<Doubt> doubts = doubts_of(landmarks, true);
-  ASSERT_EQ(names_of(doubts), std::vector<std::string>{"few_trees"});
-  EXPECT_NE(doubts.front().text.find("at least 31 cm wide: set detector.width.mean_m"),
+  const std::vector<Finding> findings = findings_of(landmarks, true);
+  ASSERT_EQ(names_of(findings), std::vector<std::string>{"few_trees"});
+  EXPECT_NE(findings.front().text.find("at least 31 cm wide: set detector.width.mean_m"),
             std::string::npos);
   landmarks.resize(29);
-  EXPECT_EQ(names_of(doubts_of(landmarks, true)), std::vector<std::string>{});
+  EXPECT_EQ(names_of(findings_of(landmarks, true)), std::vector<std::string>{});
 }
 
 }  // namespace

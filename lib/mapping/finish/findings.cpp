@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/finish/doubts.hpp"
+#include "mapping/finish/findings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,26 +51,26 @@ std::string centimetres(double length_m) {
   return text;
 }
 
-Doubt overlapping_trees(std::size_t num) {
-  return {"overlapping_trees",
+Finding overlapping_trees(std::size_t num) {
+  return {"overlapping_trees", "",
           std::to_string(num) +
               " trees stand in one another: each is probably one tree mapped twice, because the "
               "path is less sure than it says or a trunk has several stems; look at map.png there, "
               "and drive past these trees once more to close a loop"};
 }
 
-Doubt few_trees(std::size_t num_trees, const std::vector<Landmark>& landmarks) {
+Finding few_trees(std::size_t num_trees, const std::vector<Landmark>& landmarks) {
   std::vector<double> widths_m;
   for (const Landmark& l : landmarks) widths_m.push_back(l.width_m);
-  return {"few_trees", std::to_string(num_trees) + " of " + std::to_string(landmarks.size()) +
+  return {"few_trees", "detector.width.mean_m", std::to_string(num_trees) + " of " + std::to_string(landmarks.size()) +
                            " landmarks are trees; half of all are at least " +
                            centimetres(geometry::median(std::move(widths_m))) +
                            " wide: set detector.width.mean_m and sd_m to the width of your trunks "
                            "at the height of the scanner, or lower detector.tree_threshold"};
 }
 
-Doubt no_rows(std::size_t num_trees) {
-  return {"no_rows", std::to_string(num_trees) +
+Finding no_rows(std::size_t num_trees) {
+  return {"no_rows", "mapper.rows.enabled", std::to_string(num_trees) +
                          " trees and no row: if they were planted in rows, the path is wrong or "
                          "trees are mapped several times; look at map.png and trajectory.csv "
                          "(mapper.rows.enabled: false if there are no rows)"};
@@ -78,20 +78,20 @@ Doubt no_rows(std::size_t num_trees) {
 
 }  // namespace
 
-std::vector<Doubt> doubts_of(const std::vector<Landmark>& landmarks, bool has_rows) {
+std::vector<Finding> findings_of(const std::vector<Landmark>& landmarks, bool has_rows) {
   const std::vector<Landmark> trees = trees_of_map(landmarks);
-  std::vector<Doubt> doubts;
+  std::vector<Finding> findings;
   if (trees.size() >= kMany && has_rows &&
       std::none_of(trees.begin(), trees.end(), [](const Landmark& l) { return l.row > 0; })) {
-    doubts.push_back(no_rows(trees.size()));
+    findings.push_back(no_rows(trees.size()));
   }
   if (landmarks.size() >= kMany && kLandmarksPerTree * trees.size() < landmarks.size()) {
-    doubts.push_back(few_trees(trees.size(), landmarks));
+    findings.push_back(few_trees(trees.size(), landmarks));
   }
   if (const std::size_t num = num_overlapping(trees); kTreesPerOverlap * num > trees.size()) {
-    doubts.push_back(overlapping_trees(num));
+    findings.push_back(overlapping_trees(num));
   }
-  return doubts;
+  return findings;
 }
 
 }  // namespace orchard::mapping

@@ -18,7 +18,7 @@ using geometry::square;
 /// derived: four times the five unknowns of a stretch.
 constexpr std::size_t kFixesMin = 20;
 /// derived: from a start by the path's own shape the error halves at least in each round.
-constexpr int kRounds = 15;
+constexpr int kAntennaRounds = 15;
 /// derived: Huber's weight, at 95 % of the efficiency of least squares.
 constexpr double kHuber_sigma = 1.345;
 /// physical: an antenna sits on its robot.
@@ -39,7 +39,7 @@ double start_yaw_rad(const std::vector<AntennaView>& views, const Eigen::Vector2
   return std::atan2(across, along);
 }
 
-Eigen::Vector3d start_of(const std::vector<AntennaView>& views) {
+Eigen::Vector3d first_frame(const std::vector<AntennaView>& views) {
   Eigen::Vector2d path = Eigen::Vector2d::Zero(), enu = path;
   for (const AntennaView& view : views) {
     path += view.T_path_laser.head<2>();
@@ -63,11 +63,11 @@ class Registration {
  public:
   explicit Registration(const std::vector<std::vector<AntennaView>>& stretches)
       : stretches_(stretches) {
-    for (const auto& views : stretches_) frames_.push_back(start_of(views));
+    for (const auto& views : stretches_) frames_.push_back(first_frame(views));
   }
 
   AntennaEstimate solved() {
-    for (int round = 0; round < kRounds; ++round) step();
+    for (int round = 0; round < kAntennaRounds; ++round) step();
     // Errors of neighbouring fixes are alike: as many count as if each repeated its predecessor by
     // this correlation.
     const double alike = std::clamp(correlation(), 0.0, 0.98);

@@ -16,9 +16,9 @@ using geometry::rotation;
 using geometry::square;
 
 /// derived: three equations a motion, seven unknowns; below this a robust scale says little.
-constexpr std::size_t kPairsMin = 20;
+constexpr std::size_t kMotionsMin = 20;
 /// derived: the error halves at least in each round.
-constexpr int kRounds = 20;
+constexpr int kMountRounds = 20;
 /// derived: both at 95 % of the efficiency of least squares. Huber's weight first, by which every
 /// motion still pulls: the turns, which alone tell the mount, lie far off until it is found. Beyond
 /// Tukey's, in the last rounds, a motion has no say.
@@ -101,7 +101,7 @@ Scatter scatter_of(const std::vector<MotionPair>& pairs, const Unknowns& u) {
           std::max(kTurnFloor_rad, geometry::robust_sd(std::move(turns_rad)))};
 }
 
-Unknowns start_of(const std::vector<MotionPair>& pairs) {
+Unknowns first_guess(const std::vector<MotionPair>& pairs) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const MotionPair& pair : pairs) {
     const Eigen::Vector2d a = pair.laser.head<2>(), b = pair.reference.head<2>();
@@ -116,14 +116,14 @@ Unknowns start_of(const std::vector<MotionPair>& pairs) {
 Solution solve(const std::vector<MotionPair>& pairs) {
   Solution solution;
   Unknowns& u = solution.u;
-  u = start_of(pairs);
+  u = first_guess(pairs);
   Unknowns prior = Unknowns::Zero(), prior_information;
   prior(kWay) = prior(kTurn) = 1.0;
   prior_information << 1.0 / square(kMountSd_m), 1.0 / square(kMountSd_m), 0.0,
       1.0 / square(kScaleSd), 1.0 / square(kScaleSd), 1.0 / square(kRateBiasSd_radps),
       1.0 / square(kLagSd_s);
   Scatter scatter;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kMountRounds; ++round) {
     scatter = scatter_of(pairs, u);
     Information H = prior_information.asDiagonal();
     Unknowns gradient = prior_information.cwiseProduct(u - prior);
@@ -162,7 +162,7 @@ bool turns_against(const std::vector<MotionPair>& pairs) {
 }  // namespace
 
 std::optional<MountEstimate> estimate_mount(const std::vector<MotionPair>& pairs) {
-  if (pairs.size() < kPairsMin) return std::nullopt;
+  if (pairs.size() < kMotionsMin) return std::nullopt;
   std::vector<MotionPair> seen = pairs;
   MountEstimate estimate;
   estimate.is_mirrored = turns_against(pairs);

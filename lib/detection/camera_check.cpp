@@ -22,7 +22,7 @@ constexpr double kRateStep_s = 0.002;
 
 // derived: the cameras to ask about. Steps of a column, so that no camera falls between two; focal
 // lengths from a third to three times; delays as the key allows.
-constexpr int kFocalSteps = 26;  // to either side
+constexpr int kFocalSteps = 26;         // to either side
 constexpr double kFocalRatio = 1.0433;  // 1.0433^26 = 3
 constexpr double kShiftMax_deg = 15.0;
 constexpr double kShiftStep_px = 1.0;
@@ -52,7 +52,8 @@ std::vector<float> profile_of(const vision::EdgeMap& map, int first_row, int num
   std::vector<float> share(static_cast<std::size_t>(width), 0.0F);
   for (int row = first_row; row < first_row + num_rows; ++row) {
     const std::uint8_t* edges = map.edges.data() + static_cast<std::ptrdiff_t>(row) * width;
-    for (int x = 0; x < width; ++x) share[static_cast<std::size_t>(x)] += edges[x] != 0 ? 1.0F : 0.0F;
+    for (int x = 0; x < width; ++x)
+      share[static_cast<std::size_t>(x)] += edges[x] != 0 ? 1.0F : 0.0F;
   }
   // An edge is a pixel wide, and the sides are known to a pixel: neighbours count half.
   std::vector<float> soft = share;
@@ -110,8 +111,8 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
                       kRateStep_s;
     }
     for (const double column_px : {seen->left_x_px, seen->right_x_px}) {
-      sight.sides.push_back({column_px, seen->row_px,
-                             slope_at({column_px, seen->row_px}, rig), rate_px_per_s});
+      sight.sides.push_back(
+          {column_px, seen->row_px, slope_at({column_px, seen->row_px}, rig), rate_px_per_s});
     }
   }
   if (sight.sides.empty()) return std::nullopt;
@@ -219,9 +220,9 @@ void CameraCheck::judge() {
   // One fault is more probable than two: each is asked about by itself.
   const Fit own = best_of(1.0, 0, 0, num_small);
   Fit best = own;
-  for (const Fit& other : {best_of(1.0, 0, 0, num_shifts), best_of(1.0, 0, num_delays, num_small),
-                           best_of(1.0, kFocalSteps, 0, num_small),
-                           best_of(-1.0, 0, 0, num_shifts)}) {
+  for (const Fit& other :
+       {best_of(1.0, 0, 0, num_shifts), best_of(1.0, 0, num_delays, num_small),
+        best_of(1.0, kFocalSteps, 0, num_small), best_of(-1.0, 0, 0, num_shifts)}) {
     if (other.score > best.score) best = other;
   }
   if (best.score > own.score + kBetter_sigma) name(best.camera);
@@ -294,11 +295,12 @@ void CameraCheck::judge_tilt() {
   const std::string by = fmt::format(" (edges of {} pictures)", sights_.size());
   if (std::abs(roll_deg) > kTiltTolerance_deg &&
       best_score > best_shifted({true, 0.0, best.pitch_rad}) + kBetter_sigma) {
-    findings_.push_back({"camera_roll", "camera.phi_rad",
-                         fmt::format("upright edges lean by {:.0f} degrees more than camera.phi_rad "
-                                     "says: the camera is rolled (orchard calibrate laser-camera)",
-                                     std::abs(roll_deg)) +
-                             by});
+    findings_.push_back(
+        {"camera_roll", "camera.phi_rad",
+         fmt::format("upright edges lean by {:.0f} degrees more than camera.phi_rad "
+                     "says: the camera is rolled (orchard calibrate laser-camera)",
+                     std::abs(roll_deg)) +
+             by});
   }
   if (std::abs(pitch_deg) > kTiltTolerance_deg &&
       best_score > best_shifted({true, best.roll_rad, 0.0}) + kBetter_sigma) {

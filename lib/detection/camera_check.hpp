@@ -20,10 +20,10 @@ struct CameraSight {
   std::vector<double> band_row_px;  ///< middle row of each band
   std::vector<float> all_bands;     ///< their sum
   struct Side {
-    double column_px = 0.0;          ///< expected by the rig
-    double row_px = 0.0;             ///< of the scan's plane there
-    double slope = 0.0;              ///< columns per row of an upright line there, by the rig
-    double rate_px_per_s = 0.0;      ///< change of the column if the exposure is later
+    double column_px = 0.0;      ///< expected by the rig
+    double row_px = 0.0;         ///< of the scan's plane there
+    double slope = 0.0;          ///< columns per row of an upright line there, by the rig
+    double rate_px_per_s = 0.0;  ///< change of the column if the exposure is later
   };
   std::vector<Side> sides;
 };

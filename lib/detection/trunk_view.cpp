@@ -71,9 +71,8 @@ struct Projection {
     if (!(std::abs(p_camera.x()) < std::tan(kFieldMax_rad) * p_camera.z())) return std::nullopt;
     if (const auto pixel = rig.camera.project(p_camera)) return pixel;
     const auto& intrinsics = rig.camera.intrinsics();
-    return Eigen::Vector2d(
-        intrinsics.cc_px[0] + intrinsics.fc_px[0] * p_camera.x() / p_camera.z(),
-        intrinsics.cc_px[1] + intrinsics.fc_px[1] * p_camera.y() / p_camera.z());
+    return Eigen::Vector2d(intrinsics.cc_px[0] + intrinsics.fc_px[0] * p_camera.x() / p_camera.z(),
+                           intrinsics.cc_px[1] + intrinsics.fc_px[1] * p_camera.y() / p_camera.z());
   }
 
   Eigen::Vector3d in_camera(double range_m, double bearing_rad, std::size_t beam) const {
@@ -119,8 +118,8 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
 std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,
                                    const std::optional<ScanToPicture>& motion) {
   const Projection project{rig, motion};
-  const auto left = project.without_borders(segment.start_range_m, segment.start_bearing_rad,
-                                            segment.first_beam);
+  const auto left =
+      project.without_borders(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
   const auto right =
       project.without_borders(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
   if (!left || !right) return std::nullopt;

@@ -18,8 +18,7 @@ namespace orchard::laser {
 /// neighbouring beams is not seen.
 class RangeNoise {
  public:
-  RangeNoise(const LaserConfig& laser, const BlindSector& blind, double range_max_m,
-             double jump_m)
+  RangeNoise(const LaserConfig& laser, const BlindSector& blind, double range_max_m, double jump_m)
       : laser_(laser), blind_(blind), range_max_m_(range_max_m), jump_m_(jump_m) {}
 
   /// Takes a scan; one in kScanStep is used, until there are enough surfaces.

@@ -165,8 +165,7 @@ JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanIm
 void PrecomputedDetections::compute() {
   if (scan_alone_ != nullptr) alone = detection::detect(*scan_alone_, nullptr, *rig_);
   for (Pair& p : pairs) {
-    p.judged =
-        judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.questions);
+    p.judged = judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.questions);
   }
 }
 

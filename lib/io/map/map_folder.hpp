@@ -11,11 +11,11 @@
 #include "io/map/map_csv.hpp"
 #include "mapping/album/album.hpp"
 #include "mapping/compare/visibility.hpp"
-#include "text/finding.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
 #include "pose/pose_estimate.hpp"
+#include "text/finding.hpp"
 
 namespace orchard::io {
 

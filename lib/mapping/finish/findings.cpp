@@ -62,18 +62,20 @@ Finding overlapping_trees(std::size_t num) {
 Finding few_trees(std::size_t num_trees, const std::vector<Landmark>& landmarks) {
   std::vector<double> widths_m;
   for (const Landmark& l : landmarks) widths_m.push_back(l.width_m);
-  return {"few_trees", "detector.width.mean_m", std::to_string(num_trees) + " of " + std::to_string(landmarks.size()) +
-                           " landmarks are trees; half of all are at least " +
-                           centimetres(geometry::median(std::move(widths_m))) +
-                           " wide: set detector.width.mean_m and sd_m to the width of your trunks "
-                           "at the height of the scanner, or lower detector.tree_threshold"};
+  return {"few_trees", "detector.width.mean_m",
+          std::to_string(num_trees) + " of " + std::to_string(landmarks.size()) +
+              " landmarks are trees; half of all are at least " +
+              centimetres(geometry::median(std::move(widths_m))) +
+              " wide: set detector.width.mean_m and sd_m to the width of your trunks "
+              "at the height of the scanner, or lower detector.tree_threshold"};
 }
 
 Finding no_rows(std::size_t num_trees) {
-  return {"no_rows", "mapper.rows.enabled", std::to_string(num_trees) +
-                         " trees and no row: if they were planted in rows, the path is wrong or "
-                         "trees are mapped several times; look at map.png and trajectory.csv "
-                         "(mapper.rows.enabled: false if there are no rows)"};
+  return {"no_rows", "mapper.rows.enabled",
+          std::to_string(num_trees) +
+              " trees and no row: if they were planted in rows, the path is wrong or "
+              "trees are mapped several times; look at map.png and trajectory.csv "
+              "(mapper.rows.enabled: false if there are no rows)"};
 }
 
 }  // namespace

@@ -124,8 +124,7 @@ class Registration {
       const double sigma = r.norm() / (std::sqrt(2.0) * sd_m);
       const double weight = (sigma > kHuber_sigma ? kHuber_sigma / sigma : 1.0) / square(sd_m);
       Eigen::Matrix<double, 2, 5> J;
-      J.leftCols<3>() =
-          geometry::point_jacobian(seen_enu(T, view, p_laser_m_) - T.head<2>());
+      J.leftCols<3>() = geometry::point_jacobian(seen_enu(T, view, p_laser_m_) - T.head<2>());
       J.rightCols<2>() = rotation(T.z() + view.T_path_laser.z());
       const Eigen::Matrix<double, 5, 5> h = weight * J.transpose() * J;
       const Eigen::Matrix<double, 5, 1> b = weight * J.transpose() * r;

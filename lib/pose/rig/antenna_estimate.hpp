@@ -20,9 +20,9 @@ struct AntennaEstimate {
   int num_fixes = 0;
 };
 
-/// Finds the antenna by registering stretches of path (each consistent in itself, with enough fixes)
-/// to their fixes: only while turning the antenna moves unlike the scanner. A receiver's slow error
-/// only moves a stretch. None for fewer than twenty fixes, or if nothing determines it.
+/// Finds the antenna by registering stretches of path (each consistent in itself, with enough
+/// fixes) to their fixes: only while turning the antenna moves unlike the scanner. A receiver's
+/// slow error only moves a stretch. None for fewer than twenty fixes, or if nothing determines it.
 std::optional<AntennaEstimate> estimate_antenna(
     const std::vector<std::vector<AntennaView>>& stretches);
 

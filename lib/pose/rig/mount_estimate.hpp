@@ -31,8 +31,8 @@ struct MountEstimate {
   /// figures are those with the scans mirrored back.
   bool is_mirrored = false;
   Estimate mount_x_m, mount_y_m, mount_yaw_rad;  ///< of the laser in base
-  Estimate way_scale;      ///< metres of the scans for a metre of the reference
-  Estimate turn_scale;     ///< radians of the scans for a radian of the reference
+  Estimate way_scale;        ///< metres of the scans for a metre of the reference
+  Estimate turn_scale;       ///< radians of the scans for a radian of the reference
   Estimate reference_lag_s;  ///< how much later the reference states a motion than the scans
   int num_pairs = 0;
 };

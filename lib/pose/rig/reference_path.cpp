@@ -66,8 +66,8 @@ std::optional<ReferencePath::Place> ReferencePath::at(std::int64_t utime) const 
   if (after->utime == utime) return after->place;
   if (after == entries_.begin() || !after->follows) return std::nullopt;
   const Entry& before = *std::prev(after);
-  const double share = timing::seconds(utime - before.utime) /
-                       timing::seconds(after->utime - before.utime);
+  const double share =
+      timing::seconds(utime - before.utime) / timing::seconds(after->utime - before.utime);
   const Eigen::Vector3d motion =
       geometry::between(before.place.T_path_base, after->place.T_path_base);
   return Place{geometry::compose(before.place.T_path_base, share_of(motion, share)),

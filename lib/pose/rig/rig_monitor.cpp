@@ -99,11 +99,11 @@ void judge_scanner(const MountEstimate& seen, const laser::LaserConfig& stated,
                             ", but the scans move as with " + with_sd(seen.mount_yaw_rad, 3) + by});
   }
   if (mount_contradicts(seen, stated)) {
-    findings.push_back({"laser_mount", section + ".mount_x_m",
-                        section + ".mount_x_m and mount_y_m are " +
-                            fixed_text(stated.mount_x_m, 2) + " and " +
-                            fixed_text(stated.mount_y_m, 2) + ", but the scans move as with " +
-                            with_sd(seen.mount_x_m, 2) + " and " + with_sd(seen.mount_y_m, 2) + by});
+    findings.push_back(
+        {"laser_mount", section + ".mount_x_m",
+         section + ".mount_x_m and mount_y_m are " + fixed_text(stated.mount_x_m, 2) + " and " +
+             fixed_text(stated.mount_y_m, 2) + ", but the scans move as with " +
+             with_sd(seen.mount_x_m, 2) + " and " + with_sd(seen.mount_y_m, 2) + by});
   }
 }
 
@@ -111,11 +111,12 @@ void judge_scanner(const MountEstimate& seen, const laser::LaserConfig& stated,
 void judge_wheels(const MountEstimate& seen, std::vector<Finding>& findings) {
   const std::string by = by_text(seen, true);
   if (contradicts(seen.way_scale, 1.0, kScaleTolerance)) {
-    findings.push_back({"wheels_scale", "drivers.odometry",
-                        "a metre of ODOMETRY is " + with_sd(seen.way_scale, 3) +
-                            " m by the scans: multiply the metres per tick (the wheels' diameter) in the "
-                            "odometry driver by it" +
-                            by});
+    findings.push_back(
+        {"wheels_scale", "drivers.odometry",
+         "a metre of ODOMETRY is " + with_sd(seen.way_scale, 3) +
+             " m by the scans: multiply the metres per tick (the wheels' diameter) in the "
+             "odometry driver by it" +
+             by});
   }
   if (contradicts(seen.reference_lag_s, 0.0, kLagTolerance_s)) {
     findings.push_back({"wheels_delay", "drivers.odometry",
@@ -219,8 +220,7 @@ std::optional<ScannerPath::Anchor> ScannerPath::anchor_at(const ReferencePath& r
 void ScannerPath::use(const laser::Scan& scan, const std::optional<Anchor>& anchor) {
   if (!anchor) return;
   if (last_key_ && last_key_->place.piece == anchor->place.piece) {
-    const Eigen::Vector3d moved =
-        between(last_key_->place.T_path_base, anchor->place.T_path_base);
+    const Eigen::Vector3d moved = between(last_key_->place.T_path_base, anchor->place.T_path_base);
     if (moved.head<2>().norm() < kKeyWay_m && std::abs(moved.z()) < kKeyTurn_rad) return;
   }
   match(scan, *anchor);
@@ -244,8 +244,8 @@ void ScannerPath::match(const laser::Scan& scan, const Anchor& anchor) {
     return;
   }
   T_start_laser_ = compose(T_start_laser_, motion->T_from_to);
-  keys_.push_back({anchor.utime, compose(keys_.back().T_path_laser, motion->T_from_to),
-                   keys_.back().piece});
+  keys_.push_back(
+      {anchor.utime, compose(keys_.back().T_path_laser, motion->T_from_to), keys_.back().piece});
   if (T_start_laser_.head<2>().norm() < kStretchWay_m &&
       std::abs(T_start_laser_.z()) < kStretchTurn_rad) {
     return;
@@ -260,12 +260,11 @@ void ScannerPath::end_stretch(const Anchor& anchor) {
   pair.reference = between(start.place.T_path_base, anchor.place.T_path_base);
   pair.duration_s = timing::seconds(anchor.utime - start.utime);
   if (start.before && start.after && anchor.before && anchor.after) {
-    const Eigen::Vector3d earlier =
-        between(start.before->T_path_base, anchor.before->T_path_base);
+    const Eigen::Vector3d earlier = between(start.before->T_path_base, anchor.before->T_path_base);
     const Eigen::Vector3d later = between(start.after->T_path_base, anchor.after->T_path_base);
     pair.reference_rate = (later - earlier) / (2.0 * timing::seconds(kLagSpan_us));
-    pair.reference_rate.z() = geometry::wrap_angle_rad(later.z() - earlier.z()) /
-                              (2.0 * timing::seconds(kLagSpan_us));
+    pair.reference_rate.z() =
+        geometry::wrap_angle_rad(later.z() - earlier.z()) / (2.0 * timing::seconds(kLagSpan_us));
   }
   pairs_.push_back(pair);
   stretch_start_ = anchor;

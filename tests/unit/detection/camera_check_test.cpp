@@ -31,8 +31,8 @@ Rig turned_rig(int axis, double angle_rad, double focal = 1.0, double delay_s = 
   turn(i, i) = turn(k, k) = std::cos(angle_rad);
   turn(k, i) = std::sin(angle_rad);
   turn(i, k) = -turn(k, i);
-  camera.extrinsics.phi_rad = geometry::paper_angles_rad(
-      turn * geometry::LaserToCamera(camera.extrinsics).rotation());
+  camera.extrinsics.phi_rad =
+      geometry::paper_angles_rad(turn * geometry::LaserToCamera(camera.extrinsics).rotation());
   for (double& fc_px : camera.intrinsics.fc_px) fc_px *= focal;
   camera.delay_s = delay_s;
   return {{}, camera, detector_with_motion()};

@@ -21,7 +21,8 @@ RangeNoise seen(double stated_sd_m, double true_sd_m, int num_scans, bool has_bu
     const double at_m = 0.01 * i;
     test::Things things;
     for (const double bearing : {-1.2, -0.4, 0.3, 1.1}) {
-      things.discs.push_back({(2.0 + at_m) * std::cos(bearing), (2.0 + at_m) * std::sin(bearing), 0.1});
+      things.discs.push_back(
+          {(2.0 + at_m) * std::cos(bearing), (2.0 + at_m) * std::sin(bearing), 0.1});
     }
     Scan scan = test::noisy_scan(things, scanner, noise);
     for (std::size_t beam = 0; has_bushes && beam < 60; ++beam) {

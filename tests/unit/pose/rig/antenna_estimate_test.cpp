@@ -21,7 +21,8 @@ std::vector<std::vector<AntennaView>> stretches(int num, double turn_rad, double
   std::normal_distribution<double> noise(0.0, 1.0);
   std::vector<std::vector<AntennaView>> all;
   for (int k = 0; k < num; ++k) {
-    const Eigen::Vector3d T_enu_path(100.0 + 2.0 * noise(random), 50.0 + 2.0 * noise(random), 0.8 * k);
+    const Eigen::Vector3d T_enu_path(100.0 + 2.0 * noise(random), 50.0 + 2.0 * noise(random),
+                                     0.8 * k);
     Eigen::Vector3d T = Eigen::Vector3d::Zero();
     std::vector<AntennaView> views;
     for (int i = 0; i < 40; ++i) {

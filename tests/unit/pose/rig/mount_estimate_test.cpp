@@ -26,8 +26,8 @@ std::vector<MotionPair> motions(int num, double turn_rad, unsigned seed) {
     const double turn = i % 2 == 0 ? 0.0 : turn_rad * (i % 4 == 1 ? 1.0 : -1.0);
     const Eigen::Vector3d base(1.0, 0.5 * turn, turn);
     MotionPair pair;
-    pair.reference = base + Eigen::Vector3d(0.005 * noise(random), 0.005 * noise(random),
-                                            0.002 * noise(random));
+    pair.reference =
+        base + Eigen::Vector3d(0.005 * noise(random), 0.005 * noise(random), 0.002 * noise(random));
     pair.laser = compose(inverse(kMount), compose(base, kMount)) +
                  Eigen::Vector3d(0.01 * noise(random), 0.01 * noise(random), 0.002 * noise(random));
     pair.duration_s = 1.5;
@@ -56,7 +56,8 @@ TEST(MountEstimate, FindsTheMountWithAnHonestStandardDeviation) {
 
 TEST(MountEstimate, AWrongSixthOfTheMotionsHasNoSay) {
   std::vector<MotionPair> pairs = motions(90, 0.5, 3);
-  for (std::size_t i = 0; i < pairs.size(); i += 6) pairs[i].laser += Eigen::Vector3d(0.6, -0.3, 0.4);
+  for (std::size_t i = 0; i < pairs.size(); i += 6)
+    pairs[i].laser += Eigen::Vector3d(0.6, -0.3, 0.4);
   const auto found = estimate_mount(pairs);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->mount_x_m.value, kMount.x(), 0.04);
@@ -88,7 +89,8 @@ TEST(MountEstimate, ScaleAndLagOfTheReference) {
   std::vector<MotionPair> pairs = motions(80, 0.5, 9);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     // It changes its speed and turn by chance, says so 0.2 s late, and 1.25 m for a metre.
-    pairs[i].reference_rate = Eigen::Vector3d(i % 3 == 0 ? 0.4 : -0.2, 0.0, i % 5 == 0 ? 0.3 : -0.1);
+    pairs[i].reference_rate =
+        Eigen::Vector3d(i % 3 == 0 ? 0.4 : -0.2, 0.0, i % 5 == 0 ? 0.3 : -0.1);
     pairs[i].reference -= 0.2 * pairs[i].reference_rate;
     pairs[i].reference.head<2>() *= 1.25;
     pairs[i].reference_rate.head<2>() *= 1.25;

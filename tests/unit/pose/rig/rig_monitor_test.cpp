@@ -54,8 +54,7 @@ const Drive& true_drive() {
       T_map_base = compose(T_map_base,
                            arc_motion(odometry.speed_mps, yaw_rate_radps, i > 0 ? kPeriod_s : 0.0));
       made.wheels.push_back(odometry);
-      made.front.push_back(
-          world.scan(utime, compose(T_map_base, mount_of(rig.laser)), nullptr));
+      made.front.push_back(world.scan(utime, compose(T_map_base, mount_of(rig.laser)), nullptr));
       made.rear.push_back(
           world.scan(utime, compose(T_map_base, mount_of(rig.laser_rear)), nullptr));
     }

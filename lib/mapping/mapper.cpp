@@ -191,6 +191,8 @@ MapUpdate Mapper::rebuild(
   return update;
 }
 
+const MapperConfig& Mapper::config() const { return impl_->map.config; }
+
 std::shared_ptr<GroundOccupancy> Mapper::ground() const {
   const ObservationStore& scans = impl_->map.observations;
   auto ground = std::make_shared<GroundOccupancy>(

@@ -55,6 +55,8 @@ class Mapper {
   MapUpdate rebuild(
       const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
 
+  const MapperConfig& config() const;
+
   /// Free and blocked ground by the scans, with the current poses. It refers to this mapper: use it
   /// only during the mapper's lifetime and before the next update().
   std::shared_ptr<GroundOccupancy> ground() const;

@@ -66,6 +66,8 @@ struct MapperConfig {
   int min_beams = 1;
   /// Not a key of its own: detector.segmentation.width_max_m. Wider objects are not reported whole.
   double object_width_max_m = 2.0;
+  /// Not a key of its own: camera.enabled.
+  bool has_camera = true;
   /// Not a key of its own: true if detector.segmentation.reflector is `only`, so that TREE means a
   /// reflector was seen.
   bool reflector_marks_tree = false;

@@ -64,6 +64,7 @@ mapping::MapperConfig with_detector(const io::Config& config) {
   mapping::MapperConfig mapper = config.mapper;
   mapper.min_beams = config.detector.segmentation.min_beams;
   mapper.object_width_max_m = config.detector.segmentation.width_max_m;
+  mapper.has_camera = config.camera.enabled;
   mapper.reflector_marks_tree =
       config.detector.segmentation.reflector == laser::ReflectorUse::kOnly;
   return mapper;
@@ -84,8 +85,6 @@ MapperNode::MapperNode(const io::Config& config,
       album_(config.mapper.album, detection::Rig(config.laser, config.camera, config.detector)),
       degradation_(config.camera.enabled),
       beam_times_(config.laser.range_sd_m, config.mapper.deskew_pose_gap_max_s),
-      has_camera_(config.camera.enabled),
-      object_width_max_m_(config.detector.segmentation.width_max_m),
       has_reflectors_(config.detector.segmentation.reflector != laser::ReflectorUse::kIgnored) {}
 
 /// DETECTIONS wait for POSE and SCAN. GNSS and SCAN arrive independently of the other channels and
@@ -447,23 +446,14 @@ std::string MapperNode::waiting_for() const {
 
 using mapping::Omission;
 
-mapping::FinishConfig MapperNode::finish_config() const {
-  mapping::FinishConfig config;
-  config.min_observations = config_.min_observations;
-  config.rows = config_.rows;
-  config.has_camera = has_camera_;
-  config.object_width_max_m = object_width_max_m_;
-  return config;
-}
-
 const mapping::FinishedMap& MapperNode::finished() const {
-  if (!finished_) finished_ = mapping::finish(mapper_, finish_config());
+  if (!finished_) finished_ = mapping::finish(mapper_);
   return *finished_;
 }
 
 std::vector<mapping::Landmark> MapperNode::finished_landmarks() const {
   if (finished_) return finished_->landmarks;
-  return mapping::finish_without_ways(mapper_, finish_config()).landmarks;
+  return mapping::finish_without_ways(mapper_).landmarks;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

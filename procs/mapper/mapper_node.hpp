@@ -106,7 +106,6 @@ class MapperNode : public bus::Node {
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
-  mapping::FinishConfig finish_config() const;
   bool deskews(const detection::Detections& detections) const;
   std::optional<std::size_t> blocker() const;
   void release(const bus::Outbox& send);
@@ -143,8 +142,6 @@ class MapperNode : public bus::Node {
   mapping::Album album_;
   Degradation degradation_;
   BeamTimes beam_times_;
-  bool has_camera_;
-  double object_width_max_m_;  ///< max object width reported by the detector
   bool has_reflectors_;
   /// Warning about inconsistent reflector detections. Counting them takes time proportional to the
   /// drive, so it is repeated only after growth by an eighth.

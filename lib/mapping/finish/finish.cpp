@@ -42,7 +42,7 @@ Ids ids_of(const std::vector<Landmark>& landmarks) {
   return ids;
 }
 
-void join_long(const FinishConfig& config, GroundOccupancy& ground,
+void join_long(const MapperConfig& config, GroundOccupancy& ground,
                std::vector<Landmark>& landmarks) {
   const StemScatterTest stems(landmarks);
   const auto is_separate = [&](const Landmark& l) {
@@ -59,7 +59,7 @@ void join_long(const FinishConfig& config, GroundOccupancy& ground,
 }
 
 /// Numbers and joins the landmarks that exist.
-FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
+FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
                      std::vector<Landmark> standing, GroundOccupancy& ground) {
   FinishedMap map;
   map.landmarks = std::move(standing);
@@ -81,7 +81,8 @@ FinishedMap numbered(const Mapper& mapper, const FinishConfig& config,
   return map;
 }
 
-FinishedMap finish_on(const Mapper& mapper, const FinishConfig& config, GroundOccupancy& ground) {
+FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground) {
+  const MapperConfig& config = mapper.config();
   std::vector<Landmark> standing = mapper.landmarks(config.min_observations);
   FinishedMap early;
   note_missing(mapper.ids_from(1, mapper.num_landmarks()), standing, Omission::kFewObservations,
@@ -103,15 +104,15 @@ std::size_t FinishedMap::num_omitted(Omission reason) const {
                     [reason](const OmittedLandmark& l) { return l.reason == reason; }));
 }
 
-FinishedMap finish(const Mapper& mapper, const FinishConfig& config) {
+FinishedMap finish(const Mapper& mapper) {
   const std::shared_ptr<GroundOccupancy> ground = mapper.ground();
-  FinishedMap map = finish_on(mapper, config, *ground);
+  FinishedMap map = finish_on(mapper, *ground);
   map.graph = navigation_graph_of(map.landmarks, map.rows, *ground);
   return map;
 }
 
-FinishedMap finish_without_ways(const Mapper& mapper, const FinishConfig& config) {
-  return finish_on(mapper, config, *mapper.ground());
+FinishedMap finish_without_ways(const Mapper& mapper) {
+  return finish_on(mapper, *mapper.ground());
 }
 
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

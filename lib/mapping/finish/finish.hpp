@@ -33,23 +33,16 @@ struct FinishedMap {
   std::size_t num_omitted(Omission reason) const;
 };
 
-struct FinishConfig {
-  int min_observations = 1;
-  RowsConfig rows;
-  bool has_camera = false;
-  double object_width_max_m = 1.0;  ///< max object width reported by the detector
-};
-
 /// Finishes the map of a drive: leaves out landmarks with few observations and those that never
 /// existed, joins long objects and the parts of plants, finds rows and numbers, and the ways
 /// between them on ground that the scans saw free. A pure function of the mapper's state.
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
 /// a camera, parts of a hedge may be classified as trunks.
-FinishedMap finish(const Mapper& mapper, const FinishConfig& config);
+FinishedMap finish(const Mapper& mapper);
 
 /// The same without ways, which take most of the time: for a table that is saved every second.
-FinishedMap finish_without_ways(const Mapper& mapper, const FinishConfig& config);
+FinishedMap finish_without_ways(const Mapper& mapper);
 
 /// The aisles and headland paths of a numbered map on ground that the mapper's scans saw free.
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

@@ -184,7 +184,7 @@ double log_odds_max(const MapperConfig& config) {
 
 TreeRates tree_rates(const MapperConfig& config) {
   if (config.reflector_marks_tree) return {tuning::kFlashRateOfTrees, tuning::kFlashRateOfObjects};
-  return {tuning::kTreeRateOfTrees, tuning::kTreeRateOfObjects};
+  return {1.0 - tuning::kWrongLabels, tuning::kWrongLabels};
 }
 
 double evidence_of(const detection::Detection& observation, const MapperConfig& config) {
@@ -213,7 +213,9 @@ double log_odds_of_tree(double sum, int num_observations, const MapperConfig& co
 }
 
 double probability_of_tree(const LandmarkRecord& r, const MapperConfig& config) {
-  return 1.0 / (1.0 + std::exp(-log_odds_of_tree(r.log_odds, r.num_observations, config)));
+  const double most = config.judges_by_width() ? logit(1.0 - tuning::kWrongLabels) : kLogOddsMax;
+  const double log_odds = log_odds_of_tree(r.log_odds, r.num_observations, config);
+  return 1.0 / (1.0 + std::exp(-std::clamp(log_odds, -most, most)));
 }
 
 Label label_of(const LandmarkRecord& r, const MapperConfig& config) {

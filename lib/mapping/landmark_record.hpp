@@ -104,6 +104,8 @@ double evidence_of(const detection::Detection& observation, const MapperConfig& 
 double log_odds_of_tree(double sum, int num_observations, const MapperConfig& config);
 
 /// Probability that the landmark is a tree: prior 1/2 for labels, as configured for probabilities.
+/// By width alone it is that of one label: whether the width of a thing fits a trunk is the same
+/// whenever it is measured, so all observations say what one says.
 double probability_of_tree(const LandmarkRecord& record, const MapperConfig& config);
 
 /// Tree or object by the sign of the log odds; unseen while no observation is labelled.

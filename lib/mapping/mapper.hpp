@@ -29,10 +29,10 @@ namespace orchard::mapping {
 /// roc_mean, num_observations and the standard errors of a landmark are the paper's plain
 /// statistics over the labelled observations (TREE or OBJECT; over all while there is none: class
 /// unseen). x, y and covariance are those of the mode of all observations, composed with the given
-/// poses and weighted by inverse variance. probability is the Bayesian posterior. `evidence:
-/// labels`: from labels only, prior 1/2, with the configured label rates of trees and objects, log
-/// odds within +-30. `evidence: probability`: from the calibrated probabilities of the
-/// observations, see log_odds_of_tree().
+/// poses and weighted by inverse variance. probability is the Bayesian posterior, see
+/// probability_of_tree(). `evidence: labels`: from labels only, prior 1/2, with the label rates of
+/// trees and objects, log odds within +-30. `evidence: probability`: from the calibrated
+/// probabilities of the observations.
 class Mapper {
  public:
   /// `p_base_laser`: laser position in base, used by the existence filter. `memory` stores the

@@ -74,6 +74,11 @@ struct MapperConfig {
   ExistenceConfig existence;
   AlbumConfig album;
   RowsConfig rows;
+
+  /// Whether a label tells no more than whether a width fits a trunk: by a laser alone.
+  bool judges_by_width() const {
+    return evidence == Evidence::kLabels && !has_camera && !reflector_marks_tree;
+  }
 };
 
 template <class Visitor>

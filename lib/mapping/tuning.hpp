@@ -13,10 +13,8 @@ namespace orchard::mapping::tuning {
 /// Observations from which a landmark's position is reliable enough for the relaxed gate.
 inline constexpr int kWellKnownObservations = 30;
 inline constexpr double kWidthRelativeSd = 0.15;  ///< of one object observed from different sides
-/// Fraction of a tree's observations that are labelled TREE.
-inline constexpr double kTreeRateOfTrees = 0.8;
-/// Fraction of an object's observations that are labelled TREE.
-inline constexpr double kTreeRateOfObjects = 0.2;
+/// Fraction of the observations of a tree, and of any other object, with the wrong label.
+inline constexpr double kWrongLabels = 0.2;
 /// Fractions of observations with a reflector flash: every second view of a tape is turned away or
 /// dirty, and hardly any other object is as bright.
 inline constexpr double kFlashRateOfTrees = 0.5;
@@ -78,6 +76,10 @@ inline constexpr double kNearest_pitches = 0.6;
 inline constexpr std::size_t kSpacingWindow = 15;
 /// Trees at the start of a row that are compared with the neighbouring row.
 inline constexpr std::size_t kNumCompared = 4;
+/// Probability that a row goes on to something else beyond its last tree, and fraction of trees
+/// among what stands outside of rows: at Pullally by its laser alone, where bushes end the rows
+/// (tests/experiments/pullally_things.csv).
+inline constexpr double kGoesOn = 0.4, kTreesOutsideRows = 0.05;
 /// Rows on either side that determine where a row should start.
 inline constexpr int kRowsAround = 8;
 /// Start of a row against those around it, in minus log likelihoods: of an empty slot, of a row

@@ -93,6 +93,7 @@ FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground) {
   std::sort(map.omitted.begin(), map.omitted.end(),
             [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });
   map.rows = numbered_rows(map.landmarks);
+  if (config.judges_by_width()) set_probability_by_order(map.rows, map.landmarks);
   return map;
 }
 

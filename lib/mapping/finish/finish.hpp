@@ -38,7 +38,8 @@ struct FinishedMap {
 /// between them on ground that the scans saw free. A pure function of the mapper's state.
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
-/// a camera, parts of a hedge may be classified as trunks.
+/// a camera, parts of a hedge may be classified as trunks, and the order of the rows tells how
+/// probably a landmark is a tree (set_probability_by_order()).
 FinishedMap finish(const Mapper& mapper);
 
 /// The same without ways, which take most of the time: for a table that is saved every second.

@@ -136,6 +136,26 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   return numbered_rows(numbered);
 }
 
+void set_probability_by_order(const std::vector<Row>& rows, std::vector<Landmark>& landmarks) {
+  if (rows.size() < 2) return;
+  std::map<std::int32_t, double> of_rows;
+  for (const Row& row : rows) {
+    std::vector<std::int32_t> ids;
+    for (const RowSlot& place : row.places) {
+      if (place.landmark_id != 0) ids.push_back(place.landmark_id);
+    }
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const auto num_to_end = static_cast<double>(std::min(i, ids.size() - 1 - i));
+      of_rows[ids[i]] = 1.0 - std::pow(tuning::kGoesOn, num_to_end + 1.0);
+    }
+  }
+  for (Landmark& l : landmarks) {
+    const auto found = of_rows.find(l.id);
+    l.probability =
+        found != of_rows.end() ? found->second : std::min(l.probability, tuning::kTreesOutsideRows);
+  }
+}
+
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks) {
   std::map<std::int32_t, std::pair<std::int32_t, std::int32_t>> numbers;
   for (const Row& row : rows) {

@@ -67,6 +67,13 @@ inline constexpr int kGapMax_slots = 8;
 /// direction.
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config);
 
+/// Sets the probability that each landmark is a tree by its place in the order of the rows; at
+/// least two rows are needed, one alone may be a fence.
+///
+/// A row goes on beyond its last tree if something else stands where the next one would. For an
+/// object d trees from the end of a row to be none, this must have happened d + 1 times.
+void set_probability_by_order(const std::vector<Row>& rows, std::vector<Landmark>& landmarks);
+
 /// Sets row and position of the landmarks in `rows`; 0 for all others.
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks);
 

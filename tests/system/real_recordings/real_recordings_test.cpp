@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <string>
@@ -85,6 +86,43 @@ double sharpest_turn_rad(const std::vector<mapping::Landmark>& map) {
     }
   }
   return sharpest_rad;
+}
+
+struct Thing {
+  Eigen::Vector2d p_map;
+  bool is_tree = false;
+};
+
+/// What stands at Pullally in the frame of a drive's track, labelled by eye from pictures of its
+/// scans.
+std::vector<Thing> things_of_drive(const std::string& drive) {
+  std::ifstream file(ORCHARD_SOURCE_DIR "/tests/experiments/pullally_things.csv");
+  std::vector<Thing> things;
+  for (std::string of, x, y, what; std::getline(file, of, ',') && std::getline(file, x, ',') &&
+                                   std::getline(file, y, ',') && std::getline(file, what);) {
+    if (of == drive) things.push_back({{std::stod(x), std::stod(y)}, what == "tree"});
+  }
+  return things;
+}
+
+TEST_F(RealRecording, PullallysBushesAreNoSureTrees) {
+  const std::string name = "pullally_drive_2";
+  if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
+  const auto things = things_of_drive("2");
+  ASSERT_GE(things.size(), 100u);
+  int num_trees = 0, num_others = 0;  // with a probability above 0.9
+  for (const mapping::Landmark& l : map_of(name, "pullally.yaml")) {
+    if (l.probability <= 0.9) continue;
+    const auto distance_m = [&](const Thing& t) {
+      return (t.p_map - Eigen::Vector2d(l.x_m, l.y_m)).norm();
+    };
+    const auto nearest = std::min_element(
+        things.begin(), things.end(),
+        [&](const Thing& a, const Thing& b) { return distance_m(a) < distance_m(b); });
+    ++(nearest->is_tree && distance_m(*nearest) < 0.55 ? num_trees : num_others);
+  }
+  EXPECT_GE(num_trees, 20);
+  EXPECT_LE(num_others, 2);
 }
 
 TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {

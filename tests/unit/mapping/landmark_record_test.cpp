@@ -156,6 +156,26 @@ TEST(LandmarkRecord, ProbabilityIsBayesOfTheLabels) {
   EXPECT_EQ(r.log_odds, 30.0f);
 }
 
+TEST(LandmarkRecord, ByWidthAloneFiftyObservationsSayWhatOneSays) {
+  // the width of a bush's stem fits a trunk each time it is measured
+  MapperConfig alone, with_camera, with_reflectors;
+  alone.has_camera = with_reflectors.has_camera = false;
+  with_reflectors.reflector_marks_tree = true;
+  const auto seen = [](int num, Label label, const MapperConfig& config) {
+    LandmarkRecord r;
+    detection::Detection d;
+    d.label = label;
+    for (int k = 0; k < num; ++k) accumulate(r, {0, 0}, 0.9, label, evidence_of(d, config));
+    return probability_of_tree(r, config);
+  };
+  EXPECT_NEAR(seen(1, Label::kTree, alone), 0.8, 1e-6);
+  EXPECT_NEAR(seen(50, Label::kTree, alone), 0.8, 1e-6);
+  EXPECT_NEAR(seen(50, Label::kObject, alone), 0.2, 1e-6);
+  // pictures and reflectors tell more than widths
+  EXPECT_GT(seen(50, Label::kTree, with_camera), 0.999);
+  EXPECT_GT(seen(50, Label::kTree, with_reflectors), 0.999);
+}
+
 /// What the mapper makes of observations with these probabilities, judged by the camera or not.
 double probability_from(const std::vector<double>& observations, const MapperConfig& config,
                         Label label = Label::kObject) {

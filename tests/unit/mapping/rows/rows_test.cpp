@@ -462,6 +462,73 @@ TEST(RowField, FollowsACurveBeyondItsLastTree) {
   EXPECT_NEAR(beyond.spacing_m, kSpacing_m, 0.25);  // longer in the outer rows
 }
 
+/// A row of landmarks with these ids, a metre apart; 0 is an empty slot.
+Row row_of(int number, const std::vector<std::int32_t>& ids) {
+  Row row;
+  row.number = number;
+  for (const std::int32_t id : ids) {
+    const auto position = static_cast<std::int32_t>(row.places.size() + 1);
+    row.places.push_back({position, id, {1.0 * position, 4.0 * number}});
+  }
+  return row;
+}
+
+TEST(ProbabilityByOrder, IsHowOftenItIsATreeWhereRowsGoOnOverOtherThings) {
+  // beyond either end each row goes on to something else, and again, with a probability of 0.4
+  std::mt19937_64 random(7);
+  std::bernoulli_distribution goes_on(0.4);
+  std::vector<Row> rows;
+  std::vector<Landmark> landmarks;
+  std::vector<char> is_tree;
+  for (int number = 1; number <= 4000; ++number) {
+    std::vector<std::int32_t> ids;
+    const auto add = [&](bool tree) {
+      Landmark l;
+      l.id = static_cast<std::int32_t>(landmarks.size() + 1);
+      l.probability = 0.8;
+      landmarks.push_back(l);
+      is_tree.push_back(tree ? 1 : 0);
+      ids.push_back(l.id);
+    };
+    while (goes_on(random)) add(false);
+    for (int k = 0; k < 12; ++k) add(true);
+    while (goes_on(random)) add(false);
+    rows.push_back(row_of(number, ids));
+  }
+  set_probability_by_order(rows, landmarks);
+  std::map<double, std::pair<int, int>> counts;  // by probability: trees, all
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    auto& [trees, all] = counts[landmarks[i].probability];
+    trees += is_tree[i];
+    ++all;
+  }
+  int num_judged = 0;
+  for (const auto& [probability, count] : counts) {
+    if (count.second < 500) continue;
+    EXPECT_NEAR(1.0 * count.first / count.second, probability, 0.03);
+    ++num_judged;
+  }
+  EXPECT_GE(num_judged, 5);
+}
+
+TEST(ProbabilityByOrder, SaysLittleForWhatStandsOutsideAndNothingByOneRow) {
+  std::vector<Landmark> landmarks(9);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    landmarks[i].id = static_cast<std::int32_t>(i + 1);
+    landmarks[i].probability = 0.8;
+  }
+  landmarks[8].probability = 0.01;
+  const Row first = row_of(1, {1, 2, 3}), second = row_of(2, {4, 5, 0, 6, 7});
+  std::vector<Landmark> beside_a_fence = landmarks;
+  set_probability_by_order({first}, beside_a_fence);
+  for (const Landmark& l : beside_a_fence) EXPECT_EQ(l.probability, l.id == 9 ? 0.01 : 0.8);
+  set_probability_by_order({first, second}, landmarks);
+  EXPECT_GT(landmarks[1].probability, landmarks[0].probability) << "farther from the end";
+  EXPECT_EQ(landmarks[4].probability, landmarks[1].probability) << "an empty slot is no tree";
+  EXPECT_LT(landmarks[7].probability, 0.1);
+  EXPECT_EQ(landmarks[8].probability, 0.01) << "a hedge is no likelier for standing outside";
+}
+
 }  // namespace
 
 }  // namespace orchard::mapping

@@ -162,12 +162,12 @@ class Lab:
         return self.made("drive", what, make)
 
     def recording(self, name):
-        """The log of a recording folder of ../shared/data, and that folder."""
+        """The log of a recording folder or file of ../shared/data, and that folder or file."""
         source = self.data / name
-        if not source.is_dir():
+        if not source.exists():
             raise Failed(f"there is no recording {source}")
-        files = sorted((str(p.relative_to(source)), p.stat().st_size, p.stat().st_mtime_ns)
-                       for p in source.rglob("*") if p.is_file())
+        files = sorted((str(p.relative_to(self.data)), p.stat().st_size, p.stat().st_mtime_ns)
+                       for p in [source, *source.rglob("*")] if p.is_file())
         what = {"program": self.digest("orchard"), "files": files}
         return self.made("log", what, lambda folder: self.orchard("import", source, "--out", folder / "drive.lcm")), source
 

@@ -641,6 +641,48 @@ def real(lab, seeds):
     return figures
 
 
+def into_track(folder, poses):
+    """From a map's frame into that of a recording's poses.csv, by the rigid motion that fits both paths best."""
+    own, track = ({row["utime_us"]: complex(row["x_m"], row["y_m"]) for row in rows_of(path)}
+                  for path in (folder / "trajectory.csv", poses))
+    both = sorted(own.keys() & track.keys())
+    middle_own, middle_track = mean(own[t] for t in both), mean(track[t] for t in both)
+    turn = sum((own[t] - middle_own).conjugate() * (track[t] - middle_track) for t in both)
+    return lambda row: turn / abs(turn) * (complex(row["x_m"], row["y_m"]) - middle_own) + middle_track
+
+
+def certainty(lab, seeds):
+    things = rows_of(ROOT / "tests/experiments/pullally_things.csv")
+    facts = lab.rig("pullally_laser_only", {"detector.segmentation.blind_half_width_rad": 0.0,
+                                            "mapper.observation_range_max_m": 100.0})
+    figures = {}
+    for key, rig in (("alone", lab.rig("pullally_laser_only")), ("facts", facts)):
+        judged = []
+        for number in (1, 2):
+            log, source = lab.recording(f"pullally_drive_{number}")
+            folder = lab.map(log, rig, "--quiet")
+            place = into_track(folder, source / "poses.csv")
+            stands = [(complex(t["x_m"], t["y_m"]), t["class"] == "tree") for t in things if t["drive"] == number]
+            told = []  # (probability, whether it is a tree)
+            for row in rows_of(folder / "map.csv"):
+                distance_m, is_tree = min((abs(p - place(row)), is_tree) for p, is_tree in stands)
+                told.append((row["probability"], is_tree and distance_m < 0.55))
+            bins = [[(p, t) for p, t in told if min(9, int(10 * p)) == b] for b in range(10)]
+            error = sum(abs(sum(p - t for p, t in one)) for one in bins) / len(told)
+            judged.append((f"{error:.3f}", f"{sum(p > 0.9 and not t for p, t in told)}",
+                           f"{sum(p > 0.9 and t for p, t in told)} of {sum(t for _, t in told)}"))
+        figures[key] = "; ".join(", ".join(each) for each in zip(*judged))
+    people = []
+    legs = lab.rig("pullally_laser_only", {"detector.segmentation": None, "pose.mode": "stationary", "pose.motion": None,
+                                           "mapper.observation_range_max_m": None})
+    for bag in ("demo_stationary_simple_environment", "positive_1"):
+        marks = rows_of(lab.map(lab.recording(f"legs_2d/{bag}.bag")[0], legs, "--quiet") / "map.csv")
+        people.append(f"{sum(m['class'] == 'tree' and m['probability'] >= 0.95 for m in marks)} of "
+                      f"{sum(m['class'] == 'tree' for m in marks)}")
+    figures["people"] = ", ".join(people)
+    return figures
+
+
 def second_visit(lab, seeds):
     logs = [lab.recording(f"pullally_drive_{n}") for n in (1, 2)]
     maps = [lab.map(log, lab.rig("pullally"), "--quiet") for log, _ in logs]

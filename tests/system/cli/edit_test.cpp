@@ -261,15 +261,6 @@ TEST_F(EditCommand, TwoEditorsAtOnceLoseNothing) {
   EXPECT_EQ(said.size(), 2u * kEach);
 }
 
-TEST_F(EditCommand, TwoCannotDeleteOneTreeTwice) {
-  Result results[2];
-  std::thread other([&] { results[1] = edit({"delete", "7"}); });
-  results[0] = edit({"delete", "7"});
-  other.join();
-  EXPECT_EQ(results[0].exit_code + results[1].exit_code, 3) << "one is told";
-  EXPECT_EQ(list().size(), 1u);
-}
-
 TEST_F(EditCommand, SaysWhatIsDamaged) {
   ASSERT_EQ(edit({"delete", "3"}).exit_code, 0);
   const std::string file = map_ + "/corrections.jsonl";

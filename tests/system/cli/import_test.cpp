@@ -100,13 +100,6 @@ TEST_F(ImportCommand, TheRowOfThisRepositoryIsImportedAndMapped) {
   EXPECT_EQ(num_judged, 9);
 }
 
-TEST_F(ImportCommand, ARealRecording) {
-  const std::string recording = ORCHARD_DATA_DIR "/koala_poles";
-  if (!exists(recording)) GTEST_SKIP() << "the recording koala_poles is not here";
-  ASSERT_EQ(orchard({"import", recording, "--out", path("koala.lcm")}).exit_code, 0);
-  EXPECT_EQ(num_messages(path("koala.lcm"), "SCAN"), 3349);  // as its description says
-}
-
 template <class M>
 void write(io::LogWriter& writer, const std::string& channel, const M& message) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));

@@ -287,17 +287,6 @@ TEST_F(MapCommand, HelpNamesTheRigsWhereTheyLie) {
               HasSubstr("--config config/tubes.yaml"));
 }
 
-TEST_F(MapCommand, SimulationIsRepeatable) {
-  for (const char* name : {"a.lcm", "b.lcm"}) {
-    ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", "3", "--out", path(name),
-                       "--config", config()})
-                  .exit_code,
-              0);
-  }
-  EXPECT_TRUE(read_file(path("a.lcm")) == read_file(path("b.lcm")));
-  EXPECT_TRUE(read_file(path("a.lcm")) == read_file(log()));
-}
-
 TEST_F(MapCommand, SimulationStopsAfterTheDuration) {
   const Result result = orchard({"simulate", "--scene", "orchard", "--seed", "1", "--out",
                                  path("short.lcm"), "--poses", path("poses.csv"), "--duration",

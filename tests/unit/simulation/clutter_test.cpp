@@ -101,30 +101,6 @@ TEST(Clutter, PostsOfMaterialsStandWherePaintedOnesDo) {
   EXPECT_GE(num_posts, 4);
 }
 
-// What the sensors say of a world without a kind of difficulty does not depend on how the other
-// kinds are set, nor do the poses.
-TEST(Clutter, LightChangesNoScanAndClutterNoMotion) {
-  RigConfig rig = cluttered();
-  Simulator one(SceneKind::kOrchard, 4, rig);
-  rig.simulation.light.enabled = true;
-  rig.simulation.light.drift_ev_amplitude = 2.0;
-  rig.simulation.camera_response.exposure_ev = -1.0;
-  Simulator lit(SceneKind::kOrchard, 4, rig);
-  rig.simulation.clutter = {};
-  Simulator bare(SceneKind::kOrchard, 4, rig);
-  for (int i = 0; i < 300; ++i) {
-    const auto a = one.next(), b = lit.next(), c = bare.next();
-    ASSERT_TRUE(a && b && c);
-    if (const auto* scan = std::get_if<laser::Scan>(&*a)) {
-      EXPECT_EQ(scan->ranges_m, std::get<laser::Scan>(*b).ranges_m);
-    } else if (const auto* odometry = std::get_if<pose::Odometry>(&*a)) {
-      EXPECT_EQ(odometry->speed_mps, std::get<pose::Odometry>(*c).speed_mps);
-    } else if (const auto* fix = std::get_if<pose::PoseFix>(&*a)) {
-      EXPECT_EQ(fix->x_m, std::get<pose::PoseFix>(*c).x_m);
-    }
-  }
-}
-
 TEST(Clutter, VehiclesStandUntilTheRobotComesAndLeaveTheirPlace) {
   int num_vehicles = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -200,31 +176,6 @@ TEST(Clutter, PeopleWalkAndTheTruthWalksWithThem) {
   }
   ASSERT_FALSE(way_m.empty());
   for (const auto& [object, metres] : way_m) EXPECT_GT(metres, 1.0) << object;
-}
-
-// Of every person that the truth shows to the scanner, the scan holds the legs.
-TEST(Clutter, ScansHoldThePeopleWhereTheTruthHasThem) {
-  Simulator simulator(SceneKind::kOrchard, 2, cluttered());
-  const Scene scene = simulator.scene();
-  int num_seen = 0, num_there = 0;
-  while (const auto message = simulator.next()) {
-    const auto* scan = std::get_if<laser::Scan>(&*message);
-    if (scan == nullptr || scan->seq % 4 != 0) continue;
-    for (const TrueObservation& o : true_observations(simulator, cluttered(), scan->seq)) {
-      if (!scene.truth[o.object].moving || o.num_beams < 4 || o.hidden_fraction > 0.1) continue;
-      ++num_seen;
-      bool there = false;
-      for (std::size_t i = 0; i < scan->ranges_m.size(); ++i) {
-        const double off_rad = scan->bearing_rad(static_cast<double>(i)) - o.bearing_rad;
-        const double axis_m = o.range_m + 0.5 * o.width_m;
-        there = there || (std::abs(off_rad) < 0.45 / axis_m &&
-                          std::abs(scan->ranges_m[i] - axis_m) < 0.45 + 0.03 * axis_m);
-      }
-      num_there += there;
-    }
-  }
-  EXPECT_GT(num_seen, 20);
-  EXPECT_EQ(num_there, num_seen);
 }
 
 // Every return of a crate lies on one of the four sides of its rectangle.
@@ -376,32 +327,6 @@ TEST(WorldIndex, ScansOfWhatIsNearAreScansOfTheWholeWorld) {
     for (const float range_m : got.ranges_m) num_returns += range_m > 0.0f;
   }
   EXPECT_GT(num_returns, 1000);
-}
-
-TEST(WorldIndex, FindsAllWithinReachOnce) {
-  World world;
-  Random random(9);
-  for (int i = 0; i < 500; ++i) {
-    Cylinder c;
-    c.x_m = random.uniform(-100.0, 100.0);
-    c.y_m = random.uniform(-100.0, 100.0);
-    c.radius_m = random.uniform(0.01, 2.0);
-    world.cylinders.push_back(c);
-  }
-  const WorldIndex index(world);
-  for (int i = 0; i < 100; ++i) {
-    const double x_m = random.uniform(-120.0, 120.0), y_m = random.uniform(-120.0, 120.0);
-    const double radius_m = random.uniform(0.0, 30.0);
-    const auto found = index.cylinders_near(x_m, y_m, radius_m);
-    for (std::size_t k = 1; k < found.size(); ++k) EXPECT_LT(found[k - 1], found[k]);
-    for (std::size_t k = 0; k < world.cylinders.size(); ++k) {
-      const Cylinder& c = world.cylinders[k];
-      if (std::hypot(c.x_m - x_m, c.y_m - y_m) > radius_m + c.radius_m) continue;
-      EXPECT_TRUE(std::binary_search(found.begin(), found.end(), k));
-    }
-  }
-  EXPECT_TRUE(WorldIndex().cylinders_near(0.0, 0.0, 1e3).empty());
-  EXPECT_TRUE(index.boxes_near(0.0, 0.0, 1e3).empty());
 }
 
 TEST(WorldIndex, TargetsOfALargeWorldErrAsThoseOfASmallOne) {

@@ -87,23 +87,6 @@ TEST(LaserModel, RangesToACylinderAreThoseOfTheCircle) {
   EXPECT_NEAR(num_hits, 2.0 * std::asin(radius_m / distance_m) / scan.bearing_step_rad, 1.0);
 }
 
-TEST(LaserModel, SpotsAddNothingToAnIsolatedCylinder) {
-  Random random(3);
-  for (const double range_m : {0.5, 1.0, 2.0, 4.0}) {
-    double sum = 0.0;
-    constexpr int kScans = 400;
-    ScannerConfig scanner = perfect();
-    for (int i = 0; i < kScans; ++i) {
-      const laser::Scan scan = simulate_trunk_scan(0.090, range_m, scanner, random);
-      sum += static_cast<double>(std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(),
-                                               [](float r) { return r > 0.0f; }));
-    }
-    // the mean number of beams on a cylinder is the angle it fills, in steps
-    const double expected = 2.0 * std::asin(0.045 / (range_m + 0.045)) / scanner.bearing_step_rad;
-    EXPECT_NEAR(sum / kScans, expected, 0.12) << range_m;
-  }
-}
-
 TEST(LaserModel, SpotsThatReturnFromAnyPartMakeThingsASpotWider) {
   Random random(3);
   ScannerConfig scanner = perfect();
@@ -123,14 +106,6 @@ TEST(LaserModel, SpotsThatReturnFromAnyPartMakeThingsASpotWider) {
     const double angle_rad = 2.0 * std::asin(0.045 / centre_m) + spot_m / centre_m;
     EXPECT_NEAR(sum / kScans, angle_rad / scanner.bearing_step_rad, 0.15) << range_m;
   }
-}
-
-TEST(LaserModel, NearerThingsHideFartherOnes) {
-  World world = one_cylinder(2.0, 0.0, 0.05);
-  world.cylinders.push_back(one_cylinder(3.0, 0.0, 0.30).cylinders[0]);
-  const laser::Scan scan = simulate_perfect_scan(world, {}, {});
-  EXPECT_NEAR(scan.ranges_m[341], 1.95, 1e-6);
-  EXPECT_NEAR(scan.ranges_m[341 + 8], 2.72, 0.03);
 }
 
 TEST(LaserModel, SpotsOnAnEdgeReadBetweenTwoSurfaces) {

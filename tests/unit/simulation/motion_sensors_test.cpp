@@ -255,14 +255,6 @@ TEST(BlockSensors, InertialUnitTurnsWithTheRobotAndWanders) {
 
 constexpr double kDay_s = 86400.0;
 
-TEST(ReceiverSky, IsOpenAndExactByDefault) {
-  const ReceiverSky sky(1, {});
-  for (double t = 0.0; t < 1000.0; t += 1.0) {
-    ASSERT_TRUE(sky.is_open(t));
-    ASSERT_EQ(sky.error_m(t).norm(), 0.0);
-  }
-}
-
 TEST(ReceiverSky, GapsLastAsLongAsConfigured) {
   SkyConfig config;
   config.gap_every_s = 40.0;
@@ -333,14 +325,6 @@ TEST(ReceiverSky, ReflectionsTakeTheirFractionAndHoldTheirError) {
 }
 
 constexpr OdometryErrors kRun{0.01, 0.002, -0.03};
-
-TEST(WheelErrorModel, LeavesTheRunsErrorsWhereNothingLasts) {
-  const WheelErrorModel memory(1, WheelsConfig{}, 100.0);
-  const OdometryErrors errors = memory.errors_at(kRun, 12.0, {3.0, 4.0, 0.5});
-  EXPECT_EQ(errors.speed_scale, kRun.speed_scale);
-  EXPECT_EQ(errors.yaw_rate_bias_radps, kRun.yaw_rate_bias_radps);
-  EXPECT_EQ(errors.yaw_rate_scale, kRun.yaw_rate_scale);
-}
 
 TEST(WheelErrorModel, SlipBelongsToTheGround) {
   WheelsConfig config;

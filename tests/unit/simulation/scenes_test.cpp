@@ -187,17 +187,6 @@ TEST(OrchardPath, IsCarriedIntoAnotherAlleyAndDrivesOnThere) {
   }
 }
 
-TEST(OrchardPath, GyroscopeAgreesWithThePath) {
-  const DrivePath path = make_orchard_path(1, block(5, 1), {});
-  double yaw_rad = path.pose_at(0.0).yaw_rad;
-  constexpr double kStep_s = 0.001;
-  for (double t_s = 0.0; t_s < path.duration_s(); t_s += kStep_s) {
-    yaw_rad += kStep_s * path.yaw_rate_at(t_s + 0.5 * kStep_s);
-  }
-  EXPECT_NEAR(geometry::wrap_angle_rad(yaw_rad - path.pose_at(path.duration_s()).yaw_rad), 0.0,
-              0.01);
-}
-
 SimulationConfig block() {
   SimulationConfig config;
   config.orchard.num_rows = 8;
@@ -286,42 +275,6 @@ TEST(OrchardChange, NumbersEverythingAnew) {
   }
 }
 
-TEST(OrchardChange, TrunksGrowAndMoveAsFarAsConfigured) {
-  SimulationConfig config = block();
-  config.clutter = {};
-  const Scene before = scene_of(config, 7);
-  config.change.growth_m = 0.012;
-  const Scene grown = scene_of(config, 7);
-  double sum_m = 0.0;
-  int num_trees = 0;
-  for (std::size_t i = 0; i < before.truth.size(); ++i) {
-    const double wider_m = grown.truth[i].width_m - before.truth[i].width_m;
-    EXPECT_EQ(grown.truth[i].x_m, before.truth[i].x_m);
-    if (!tree(before.truth[i])) {
-      EXPECT_EQ(wider_m, 0.0);
-      continue;
-    }
-    EXPECT_GE(wider_m, -1e-12);
-    sum_m += wider_m;
-    ++num_trees;
-  }
-  EXPECT_NEAR(sum_m / num_trees, 0.012, 4.0 * 0.003 / std::sqrt(num_trees));
-
-  config.change = {};
-  config.change.moved_fraction = 0.1;
-  config.change.moved_m = 0.7;
-  const Scene moved = scene_of(config, 7);
-  int num_moved = 0;
-  for (std::size_t i = 0; i < before.truth.size(); ++i) {
-    const double way_m = std::hypot(moved.truth[i].x_m - before.truth[i].x_m,
-                                    moved.truth[i].y_m - before.truth[i].y_m);
-    if (way_m == 0.0) continue;
-    EXPECT_NEAR(way_m, 0.7, 1e-9);
-    ++num_moved;
-  }
-  EXPECT_NEAR(num_moved, 0.1 * num_trees, 1.0);
-}
-
 TEST(OrchardChange, SomeGrowSomeMoveSomePostsAndBushesStandElsewhere) {
   SimulationConfig config = block();
   config.clutter.num_people = 0;
@@ -335,7 +288,7 @@ TEST(OrchardChange, SomeGrowSomeMoveSomePostsAndBushesStandElsewhere) {
   const Scene after = scene_of(config, 9);
   ASSERT_EQ(before.truth.size(), after.truth.size());
   int num_moved = 0, num_grown = 0, num_trees = 0, num_objects = 0, num_elsewhere = 0;
-  double farthest_m = 0.0;
+  double farthest_m = 0.0, sum_grown_m = 0.0;
   for (std::size_t i = 0; i < before.truth.size(); ++i) {
     const TruthObject &then = before.truth[i], &now = after.truth[i];
     const double way_m = std::hypot(now.x_m - then.x_m, now.y_m - then.y_m);
@@ -354,11 +307,12 @@ TEST(OrchardChange, SomeGrowSomeMoveSomePostsAndBushesStandElsewhere) {
     if (now.width_m != then.width_m) {
       ++num_grown;
       EXPECT_EQ(way_m, 0.0) << "one thing at a time";
-      EXPECT_NEAR(now.width_m - then.width_m, 0.04, 0.04);
+      sum_grown_m += now.width_m - then.width_m;
     }
   }
   EXPECT_NEAR(num_moved, 0.1 * num_trees, 1.0);
   EXPECT_NEAR(num_grown, 0.1 * num_trees, 1.0);
+  EXPECT_NEAR(sum_grown_m / num_grown, 0.04, 4.0 * 0.01 / std::sqrt(num_grown));
   EXPECT_NEAR(num_elsewhere, 0.5 * num_objects, 1.0);
   EXPECT_GT(farthest_m, 1.0);
   for (const Cylinder& c : after.world.cylinders) {
@@ -491,28 +445,6 @@ TEST(ParkScene, TheCarDrivesAsACarClearOfTrunksAndStaysThere) {
   }
 }
 
-/// Loops are what a park is for: places seen again, driven through in other directions.
-TEST(ParkScene, TheCarComesBackFromOtherDirections) {
-  for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const DrivePath path = make_park_scene(seed, {}).path;
-    std::vector<Pose2> poses;
-    for (double t_s = 0.0; t_s < path.duration_s(); t_s += 1.0) poses.push_back(path.pose_at(t_s));
-    int num_back = 0, num_other = 0;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      bool back = false, other = false;
-      for (std::size_t j = 0; j + 60 < i; ++j) {
-        if (std::hypot(poses[i].x_m - poses[j].x_m, poses[i].y_m - poses[j].y_m) > 10.0) continue;
-        back = true;
-        other |= std::abs(geometry::wrap_angle_rad(poses[i].yaw_rad - poses[j].yaw_rad)) > 1.0;
-      }
-      num_back += back;
-      num_other += other;
-    }
-    EXPECT_GT(num_back, static_cast<int>(poses.size()) / 4) << "seed " << seed;
-    EXPECT_GT(num_other, static_cast<int>(poses.size()) / 8) << "seed " << seed;
-  }
-}
-
 std::vector<Pose2> way_of(const Scene& scene) {
   std::vector<Pose2> way;
   for (double s = 0.0; s <= scene.path.duration_s(); s += 0.5) way.push_back(scene.path.pose_at(s));
@@ -537,32 +469,6 @@ TEST(YardScene, GivesRoomToARobotOnItsWay) {
       }
     }
   }
-}
-
-TEST(YardScene, ComesBackToPlacesInBothDirections) {
-  const std::vector<Pose2> way = way_of(make_yard_scene(1, {}));
-  int num_same = 0, num_opposite = 0;
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    for (std::size_t j = 0; j + 100 < i; ++j) {
-      if (std::hypot(way[i].x_m - way[j].x_m, way[i].y_m - way[j].y_m) > 3.0) continue;
-      const double turn_rad = std::abs(geometry::wrap_angle_rad(way[i].yaw_rad - way[j].yaw_rad));
-      num_same += turn_rad < 0.5;
-      num_opposite += turn_rad > 2.6;
-    }
-  }
-  EXPECT_GT(num_same, 100);
-  EXPECT_GT(num_opposite, 100);
-}
-
-TEST(YardScene, IsTheSameAgainForASeedAndAnotherForAnother) {
-  const Scene one = make_yard_scene(3, {}), again = make_yard_scene(3, {});
-  const Scene other = make_yard_scene(4, {});
-  ASSERT_EQ(one.truth.size(), again.truth.size());
-  for (std::size_t i = 0; i < one.truth.size(); ++i) {
-    EXPECT_EQ(one.truth[i].x_m, again.truth[i].x_m);
-  }
-  EXPECT_NE(one.truth.front().x_m, other.truth.front().x_m);
-  EXPECT_EQ(static_cast<std::size_t>(one.world.num_targets), one.truth.size());
 }
 
 }  // namespace

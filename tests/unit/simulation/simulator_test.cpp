@@ -168,34 +168,5 @@ TEST(Simulator, OdometryIntegratesToThePath) {
   }
 }
 
-TEST(Simulator, GnssIsWhereTheRobotIs) {
-  RigConfig rig = small_orchard();
-  rig.camera.enabled = false;
-  Simulator simulator(SceneKind::kOrchard, 3, rig);
-  const MotionConfig& motion = rig.simulation.motion;
-  const double radius_m = 6371000.0;
-  const DrivePath path = simulator.scene().path;
-  while (const auto message = simulator.next()) {
-    const auto* gnss = std::get_if<pose::Gnss>(&*message);
-    if (gnss == nullptr) continue;
-    const Pose2 truth = path.pose_at(static_cast<double>(gnss->utime - kEpochUtime) * 1e-6);
-    const double to_rad = geometry::kPi / 180.0;
-    const double north_m = (gnss->latitude_deg - motion.datum[0]) * to_rad * radius_m;
-    const double east_m = (gnss->longitude_deg - motion.datum[1]) * to_rad * radius_m *
-                          std::cos(motion.datum[0] * to_rad);
-    // a sphere instead of the ellipsoid: good to half a percent of the distance
-    EXPECT_NEAR(east_m, truth.x_m, 0.15 + 0.01 * std::abs(truth.x_m));
-    EXPECT_NEAR(north_m, truth.y_m, 0.15 + 0.01 * std::abs(truth.y_m));
-  }
-}
-
-TEST(Simulator, ScenesHaveNames) {
-  EXPECT_EQ(find_scene("tubes"), SceneKind::kTubes);
-  EXPECT_EQ(find_scene("orchard"), SceneKind::kOrchard);
-  EXPECT_EQ(find_scene("park"), SceneKind::kPark);
-  EXPECT_EQ(find_scene("yard"), SceneKind::kYard);
-  EXPECT_FALSE(find_scene("forest"));
-}
-
 }  // namespace
 }  // namespace orchard::simulation

@@ -19,12 +19,6 @@ using namespace orchard::mapping;
 
 constexpr double kWrong_m = 0.5;  ///< an alignment that puts a tree farther off is wrong
 
-DetectionMap view_of(const DrivenMap& map) {
-  SensorView view;
-  view.reach_m = 8.0;
-  return DetectionMap(map.landmarks, {map.trajectory}, view);
-}
-
 void run(int num_trees, std::uint64_t seed) {
   Dice dice(seed);
   const int num_rows = std::max(4, static_cast<int>(std::sqrt(num_trees / 13.75)));

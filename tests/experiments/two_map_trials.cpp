@@ -77,12 +77,6 @@ std::map<int, Change> change_block(Block& block, const DayChanges& fraction, Dic
   return truth;
 }
 
-DetectionMap view_of(const DrivenMap& map) {
-  SensorView view;
-  view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DetectionMap(map.landmarks, {map.trajectory}, view);
-}
-
 // changes
 
 constexpr std::array<Change, 5> kKinds{Change::kMissing, Change::kNew, Change::kMoved,

@@ -12,12 +12,6 @@ namespace {
 constexpr int kNumRows = 20;
 constexpr int kNumPlaces = 260;
 
-DetectionMap view_of(const DrivenMap& map) {
-  SensorView view;
-  view.reach_m = 8.0;
-  return DetectionMap(map.landmarks, {map.trajectory}, view);
-}
-
 MapAlignment laid(const DrivenMap& a, const DrivenMap& b) {
   MapAlignmentConfig config;
   config.any_place = true;

@@ -13,12 +13,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-DetectionMap view_of(const DrivenMap& map) {
-  SensorView view;
-  view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DetectionMap(map.landmarks, {map.trajectory}, view);
-}
-
 MapComparison compare(const DrivenMap& a, const DrivenMap& b, ComparisonConfig config = {}) {
   const DetectionMap view_a = view_of(a), view_b = view_of(b);
   const MapAlignment alignment =
@@ -124,9 +118,7 @@ TEST(MapComparison, WhatWasNotLookedAtIsNotMissing) {
 TEST(MapComparison, MovedIsWhatIsAsWideAndReplacedWhatIsNot) {
   Dice dice(61);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   const DrivenMap a = drive_through(block, drive, dice);
   const auto far_from_gaps = [&](std::size_t i) {
     return block.trees[i - 1].stands && block.trees[i].stands && block.trees[i + 1].stands;
@@ -154,9 +146,7 @@ TEST(MapComparison, MovedIsWhatIsAsWideAndReplacedWhatIsNot) {
 TEST(MapComparison, ATrunkThatGrewBeyondTheClassOfTreesHasGrown) {
   Dice dice(62);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   drive.position_sd_m = 0.005;
   drive.width_sd_m = 0.002;
   drive.bend_m = 0.0;
@@ -181,9 +171,7 @@ TEST(MapComparison, GrowthIsClaimedAsFarAsTheWidthsAreKnown) {
   for (const double sd_m : {0.0005, 0.004}) {
     Dice dice(63);
     Block block = plant_block(dice, 6, 15);
-    Drive drive;
-    drive.last_alley = 6;
-    drive.along_max_m = 31.0;
+    Drive drive = whole_drive(6, 15);
     drive.width_sd_m = sd_m;
     DrivenMap a = drive_through(block, drive, dice);
     for (std::size_t i = 0; i < block.trees.size(); i += 3) block.trees[i].width_m += 0.005;
@@ -212,9 +200,7 @@ TEST(MapComparison, CommonGrowthIsThatOfTheTreesWhateverPostsAndBushesDo) {
   for (const double growth_m : {0.0094, 0.02}) {
     Dice dice(71);
     Block block = plant_block(dice, 6, 15);
-    Drive drive;
-    drive.last_alley = 6;
-    drive.along_max_m = 31.0;
+    Drive drive = whole_drive(6, 15);
     drive.width_sd_m = 0.001;
     DrivenMap a = drive_through(block, drive, dice);
     for (TrueTree& tree : block.trees) tree.width_m += growth_m;
@@ -249,9 +235,7 @@ TEST(MapComparison, CommonGrowthIsThatOfTheTreesWhateverPostsAndBushesDo) {
 TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
   Dice dice(31);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   DrivenMap a = drive_through(block, drive, dice);
   const DrivenMap b = drive_through(block, drive, dice);
   Landmark echo = a.landmarks[20];
@@ -272,9 +256,7 @@ TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
 TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
   Dice dice(41);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   DrivenMap a = drive_through(block, drive, dice);
   DrivenMap b = drive_through(block, drive, dice);
   // halfway between trees; each drive sees parts of its own, one or two of them thick as a trunk
@@ -310,9 +292,7 @@ TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
 TEST(MapComparison, SuckersThatOneVisitSeesAreNoChange) {
   Dice dice(51);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   DrivenMap a = drive_through(block, drive, dice);
   DrivenMap b = drive_through(block, drive, dice);
   for (DrivenMap* map : {&a, &b}) {
@@ -337,9 +317,7 @@ TEST(MapComparison, SuckersThatOneVisitSeesAreNoChange) {
 TEST(MapComparison, AStumpThatEachVisitCutsAnewIsNoChange) {
   Dice dice(52);
   Block block = plant_block(dice, 6, 15);
-  Drive drive;
-  drive.last_alley = 6;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(6, 15);
   DrivenMap a = drive_through(block, drive, dice);
   DrivenMap b = drive_through(block, drive, dice);
   // one landmark, whose observations scatter by 0.48 m, or four

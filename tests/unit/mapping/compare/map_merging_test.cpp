@@ -142,9 +142,7 @@ TEST(NumberKeeping, IdsAndNumbersSurviveFivePercentOfChange) {
   for (int seed = 1; seed <= 4; ++seed) {
     Dice dice(10 + static_cast<std::uint64_t>(seed));
     Block block = plant_block(dice, 8, 25);
-    Drive drive;
-    drive.last_alley = 8;
-    drive.along_max_m = 51.0;
+    Drive drive = whole_drive(8, 25);
     DrivenMap a = drive_through(block, drive, dice);
     std::vector<Row> rows = find_rows(a.landmarks, RowsConfig{});
     number_landmarks(rows, a.landmarks);
@@ -193,9 +191,7 @@ TEST(NumberKeeping, IdsAndNumbersSurviveFivePercentOfChange) {
 TEST(NumberKeeping, ATreeDoesNotTakeTheIdOfTheFelledOneBesideWhichItStandsNow) {
   Dice dice(30);
   Block block = plant_block(dice, 4, 15, 0.0);
-  Drive drive;
-  drive.last_alley = 4;
-  drive.along_max_m = 31.0;
+  Drive drive = whole_drive(4, 15);
   const DrivenMap a = drive_through(block, drive, dice);
   const std::size_t moved = 20, felled = 21;
   block.trees[moved].width_m = 0.11;  // as it was mapped, nearly

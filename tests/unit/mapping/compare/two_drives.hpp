@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
+#include "mapping/compare/visibility.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -76,11 +77,27 @@ struct Drive {
   geometry::Pose2 T_map_block;  ///< the drive's frame
 };
 
+/// A drive through every alley of a block planted with so many rows and places.
+inline Drive whole_drive(int num_rows, int num_places) {
+  Drive drive;
+  drive.last_alley = num_rows;
+  drive.along_max_m = 2.0 * num_places + 1.0;
+  return drive;
+}
+
 struct DrivenMap {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> trajectory;
   std::vector<int> tree_of;  ///< index into the block, per landmark
 };
+
+/// What a drive of its map saw. By default of more reach than drives truly have: how far they saw is
+/// for the map to tell.
+inline DetectionMap view_of(const DrivenMap& map, double reach_m = 8.0) {
+  SensorView view;
+  view.reach_m = reach_m;
+  return DetectionMap(map.landmarks, {map.trajectory}, view);
+}
 
 /// A place of the block as the drive's map has it: in the drive's frame, bent slowly by its error.
 inline Eigen::Vector2d bent(const Drive& drive, double phase_rad, const Eigen::Vector2d& p) {

@@ -67,12 +67,6 @@ class Remapping {
   }
 
  private:
-  static DetectionMap view_of(const DrivenMap& map) {
-    SensorView view;
-    view.reach_m = 8.0;
-    return DetectionMap(map.landmarks, {map.trajectory}, view);
-  }
-
   int take() {
     const auto i = static_cast<std::size_t>(dice_.uniform(0, static_cast<double>(free_.size())));
     const int tree = free_[i];

@@ -9,11 +9,7 @@
 namespace orchard::mapping {
 namespace {
 
-DetectionMap view_of(const DrivenMap& map) {
-  SensorView view;
-  view.reach_m = Drive{}.reach_m;
-  return DetectionMap(map.landmarks, {map.trajectory}, view);
-}
+DetectionMap seen_by(const DrivenMap& map) { return view_of(map, Drive{}.reach_m); }
 
 TEST(Plan, NamesAndDeviationsAreFound) {
   PlanScore sum;
@@ -21,7 +17,7 @@ TEST(Plan, NamesAndDeviationsAreFound) {
     Dice dice(seed);
     PlannedBlock b = plant_to_plan(dice, {});
     const DrivenMap map = drive_all(b, {0.8, -0.6, 0.006}, dice);
-    const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+    const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), {});
     ASSERT_TRUE(match.is_registered()) << "seed " << seed << ": " << match.fit.reason;
     const PlanScore score = score_of(b, map, b.plan, match);
     EXPECT_EQ(score.num_misnamed, 0) << "seed " << seed;
@@ -38,7 +34,7 @@ TEST(Plan, LiesOnAMapOfAnotherFrame) {
   const DrivenMap map = drive_all(b, T, dice);
   PlanMatchConfig config;
   config.alignment.any_place = true;
-  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), config);
+  const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), config);
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   EXPECT_EQ(score_of(b, map, b.plan, match).num_misnamed, 0);
   // half a decimetre is how far the drive bends its map
@@ -54,18 +50,18 @@ TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
   const DrivenMap map = drive_all(b, {3.0, 4.0, 1.0}, dice);
   PlanMatchConfig config;
   config.alignment.any_place = true;
-  const PlanMatch refused = match_plan(b.plan, map.landmarks, view_of(map), config);
+  const PlanMatch refused = match_plan(b.plan, map.landmarks, seen_by(map), config);
   EXPECT_FALSE(refused.is_registered());
   EXPECT_EQ(refused.fit.status, AlignmentStatus::kAmbiguous);
   ASSERT_EQ(refused.fit.placements.size(), 2u);
   int num_right = 0;
   for (config.placement = 1; config.placement <= 2; ++config.placement) {
-    const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), config);
+    const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), config);
     num_right += score_of(b, map, b.plan, match).num_misnamed == 0;
   }
   EXPECT_EQ(num_right, 1);
   EXPECT_FALSE(
-      match_plan(b.plan, map.landmarks, view_of(map), config).is_registered());  // no third
+      match_plan(b.plan, map.landmarks, seen_by(map), config).is_registered());  // no third
 }
 
 TEST(Plan, AnotherOrchardIsRefused) {
@@ -78,7 +74,7 @@ TEST(Plan, AnotherOrchardIsRefused) {
   const DrivenMap map = drive_all(b, {}, dice);
   PlanMatchConfig config;
   config.alignment.any_place = true;
-  const PlanMatch match = match_plan(other, map.landmarks, view_of(map), config);
+  const PlanMatch match = match_plan(other, map.landmarks, seen_by(map), config);
   EXPECT_FALSE(match.is_registered());
   EXPECT_EQ(match.fit.status, AlignmentStatus::kNone);
 }
@@ -93,7 +89,7 @@ TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {
   drive.last_alley = 2;  // of at least six rows
   drive.along_max_m = b.block.num_places * b.block.tree_spacing_m + 3.0;
   const DrivenMap map = drive_through(b.block, drive, dice);
-  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+  const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   EXPECT_EQ(match.counts[static_cast<std::size_t>(PlanDeviation::kMissing)], 0);
   EXPECT_GT(match.counts[static_cast<std::size_t>(PlanDeviation::kNotSeen)], 20);
@@ -103,7 +99,7 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
   Dice dice(11);
   PlannedBlock b = plant_to_plan(dice, {});
   DrivenMap map = drive_all(b, {}, dice);
-  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+  const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
   number_by_plan(b.plan, match, map.landmarks);
   const std::vector<Row> rows = numbered_rows(map.landmarks);

@@ -7,6 +7,7 @@
 #include "cli/field/field.hpp"
 #include "cli/logs/logs.hpp"
 #include "cli/maps/maps.hpp"
+#include "cli/rig/learn.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -112,8 +113,7 @@ void add_evaluate(CLI::App& app, Run& run) {
 }
 
 void add_rig(CLI::App& command, std::string& config_path) {
-  add_value(command, "--config", config_path, "FILE",
-            "rig to use instead of the one in the log; needed for a log without CONFIG");
+  add_value(command, "--config", config_path, "FILE", "rig to use instead of the one in the log");
 }
 
 void add_network(CLI::App& command, std::string& lcm_url, std::string& config_path) {
@@ -293,7 +293,8 @@ void add_map(CLI::App& app, Run& run) {
       "Input: a log with SCAN, and what pose.mode needs. Output: a folder with the map as table,\n"
       "picture, web page and GIS layers, the trajectory and summary.json. The map depends only\n"
       "on the log and the configuration: the same input gives the same files. Of a damaged log\n"
-      "the readable part is mapped, with warnings; --strict refuses it.\n",
+      "the readable part is mapped, with warnings; --strict refuses it. Without a rig in log or\n"
+      "--config it is learnt first (orchard learn), and written as learnt.yaml.\n",
       run_map, [](CLI::App& command, MapOptions& o) {
         add_required(command, "log", o.log_paths, "LOG...",
                      "log to map, or the parts of a split log, in any order");
@@ -410,6 +411,28 @@ void add_echo(CLI::App& app, Run& run) {
       });
 }
 
+void add_learn(CLI::App& app, Run& run) {
+  add_command<LearnOptions>(
+      app, run, "learn", "Learn what a drive tells about its rig, and write the rig",
+      "  orchard learn drive.lcm --out my.yaml\n"
+      "  orchard learn drive-*.lcm --config sensors.yaml --out my.yaml\n"
+      "Maps the drive twice. Learns where scanner and antenna are (from turns, with wheels or\n"
+      "fixes), the noise of a range, the sector in which the robot sees itself, the trunks' width\n"
+      "and the range up to which they are seen. Each value has a comment that says how it was "
+      "seen\n"
+      "and how surely; what the drive does not show is listed, to be measured by hand. A camera\n"
+      "must be calibrated (orchard calibrate). The simplest drive: past twenty trunks, with a "
+      "turn\n"
+      "to each side.\n",
+      run_learn, [](CLI::App& command, LearnOptions& o) {
+        add_required(command, "logs", o.log_paths, "LOG...", "logs of one drive, in any order");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to complete, such as one with a calibrated camera [none]");
+        add_required(command, "--out", o.out_path, "RIG", "rig to write");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
+      });
+}
+
 void add_doctor(CLI::App& app, Run& run) {
   add_command<DoctorOptions>(
       app, run, "doctor", "Check this machine's network for LCM and print a fix for each problem",
@@ -439,6 +462,7 @@ void add_all_commands(CLI::App& app, Run& run) {
   add_farm(app, run);
   add_echo(app, run);
   add_doctor(app, run);
+  add_learn(app, run);
   add_calibrate(app, run);
 }
 

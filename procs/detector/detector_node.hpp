@@ -30,6 +30,7 @@ class InputHealth {
   explicit InputHealth(const io::Config& config);
 
   void note_scan(const laser::Scan& scan) { own_returns_.add(scan); }
+  std::optional<laser::OwnReturn> own_returns() const { return own_returns_.found(); }
   void note_rear_scan(const laser::Scan& scan) { rear_own_returns_.add(scan); }
   /// Notes a scan that was answered without a picture.
   void note_no_picture();
@@ -163,6 +164,8 @@ class DetectorNode : public bus::Node {
   std::string waiting_for() const override;
   std::string warning() const override;
   std::vector<Finding> findings() const override;
+  /// What of the robot the front scanner sees; none if nothing.
+  std::optional<laser::OwnReturn> own_returns() const { return health_.own_returns(); }
   /// Noise of a range over what the rig states; none if not seen.
   std::optional<double> range_noise_ratio() const { return range_noise_.ratio(); }
 

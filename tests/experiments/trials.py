@@ -633,6 +633,11 @@ def real(lab, seeds):
         ten_keys = lab.rig("pullally_laser_only", {"detector.segmentation.blind_half_width_rad": 0.0,
                                                    "mapper.observation_range_max_m": 100.0})
         same = lab.run("clear_trees", source, lab.map(log, ten_keys, "--quiet"), folder)
+        facts = lab.made("learnt", {"program": lab.digest("orchard"), "log": log.name},
+                         lambda made, log=log: lab.orchard("learn", log / "drive.lcm", "--out", made / "rig.yaml"))
+        said = lab.run("clear_trees", source, lab.map(log, (facts / "rig.yaml").read_text(), "--quiet"))
+        figures[f"learnt_{number}"] = "{1} of {0}".format(
+            *re.search(r"clear trees: (\d+); with one tree landmark: (\d+)", said).groups())
         figures[f"ten_{number}"] = "{} of {}".format(*re.search(r"one landmark for (\d+) of (\d+)", same).groups())
     log, source = lab.recording("koala_poles")
     folder = lab.map(log, lab.rig("koala"), "--quiet")

@@ -20,9 +20,12 @@
 #include "bus/messages/codec.hpp"
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
+#include "bus/replay/logged_rig.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/maps/map_pipeline.hpp"
 #include "cli/maps/stored_maps.hpp"
+#include "cli/rig/learn.hpp"
+#include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
@@ -274,8 +277,30 @@ mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& lo
 
 }  // namespace
 
+namespace {
+
+/// The rig that was given, that of the log, or what the drive shows of it: then `learnt` is its
+/// YAML.
+procs::ReplayRig rig_of(const MapOptions& options, std::string& learnt) {
+  const io::LogPaths logs = logs_of(options);
+  if (!options.config_path.empty() || !bus::read_logged_rigs(logs).empty()) {
+    return procs::choose_rig(logs, options.config_path);
+  }
+  LearntRig rig = learn_rig("orchard map", logs, "", options.quiet);
+  learnt = rig.yaml;
+  procs::ReplayRig chosen{std::move(rig.config), "the learnt rig", {}};
+  chosen.notes.push_back("no rig is given and " + logs.text() +
+                         " has none, so it was learnt from the drive (orchard help learn):");
+  for (const std::string& line : rig.seen) chosen.notes.push_back("  " + line);
+  for (const std::string& line : rig.asked) chosen.notes.push_back("  not seen: " + line);
+  return chosen;
+}
+
+}  // namespace
+
 int run_map(const MapOptions& options) {
-  const procs::ReplayRig rig = procs::choose_rig(logs_of(options), options.config_path);
+  std::string learnt;
+  const procs::ReplayRig rig = rig_of(options, learnt);
   const io::Config& config = rig.config;
   for (const std::string& note : rig.notes) {
     std::fprintf(stderr, "orchard map: note: %s\n", note.c_str());
@@ -351,6 +376,12 @@ int run_map(const MapOptions& options) {
     corrections = account_corrections("orchard map", earlier, seen);
   }
   io::write_map_folder(options.out_folder, content);
+  const std::string learnt_path = options.out_folder + "/learnt.yaml";
+  if (learnt.empty()) {
+    std::filesystem::remove(learnt_path);  // an old file would pass for this map's
+  } else {
+    io::write_file_atomically(learnt_path, learnt);
+  }
   if (kept) write_corrections(options.out_folder, kept->corrections);
   if (derived) {
     derived->close();

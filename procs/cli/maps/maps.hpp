@@ -15,7 +15,7 @@ namespace orchard::cli {
 /// `orchard map LOG... --out DIR`.
 struct MapOptions {
   std::vector<std::string> log_paths;  ///< logs of one drive, in any order
-  std::string config_path;             ///< empty: the rig stored in the log
+  std::string config_path;             ///< empty: the rig stored in the log; none there: learnt
   std::string out_folder;
   std::string previous_path;  ///< earlier map whose ids and numbers are kept; empty: none
   mapping::MapAlignmentConfig previous_alignment;

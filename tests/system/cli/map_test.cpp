@@ -203,6 +203,35 @@ TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {
   EXPECT_EQ(read_file(path("map/map.csv")), csv);
 }
 
+TEST_F(MapCommand, ALogWithoutARigIsMappedByWhatItShowsOfIt) {
+  {
+    io::LogReader reader(log());
+    io::LogWriter writer(path("bare.lcm"));
+    while (const auto event = reader.next()) {
+      if (event->channel == "CONFIG") continue;
+      writer.write(event->timestamp_us, event->channel, event->data);
+    }
+    writer.close();
+  }
+  const Result result = orchard({"map", path("bare.lcm"), "--out", path("bare")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("16 landmarks"));
+  EXPECT_THAT(result.err, HasSubstr("it was learnt from the drive"));
+  EXPECT_THAT(result.err, HasSubstr("not seen: laser.mount_x_m"));
+  const Result learnt = orchard({"learn", path("bare.lcm"), "--out", path("rig.yaml")});
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.err;
+  EXPECT_THAT(learnt.out, HasSubstr("detector.width.mean_m: 0.09"));  // the tubes' is 0.09
+  EXPECT_EQ(read_file(path("rig.yaml")), read_file(path("bare/learnt.yaml")));
+  ASSERT_EQ(orchard({"map", path("bare.lcm"), "--config", path("rig.yaml"), "--out", path("again")})
+                .exit_code,
+            0);
+  EXPECT_EQ(read_file(path("again/map.csv")), read_file(path("bare/map.csv")));
+
+  const Result nothing = orchard({"learn", path("rig.yaml"), "--out", path("none.yaml")});
+  EXPECT_EQ(nothing.exit_code, 3) << nothing.err;
+  EXPECT_FALSE(exists(path("none.yaml")));
+}
+
 TEST_F(MapCommand, KeptIdsAreNoLosses) {
   const std::string drive = path("orchard.lcm");
   ASSERT_EQ(

@@ -91,8 +91,8 @@ struct DrivenMap {
   std::vector<int> tree_of;  ///< index into the block, per landmark
 };
 
-/// What a drive of its map saw. By default of more reach than drives truly have: how far they saw is
-/// for the map to tell.
+/// What a drive of its map saw. By default of more reach than drives truly have: how far they saw
+/// is for the map to tell.
 inline DetectionMap view_of(const DrivenMap& map, double reach_m = 8.0) {
   SensorView view;
   view.reach_m = reach_m;

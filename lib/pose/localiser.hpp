@@ -14,6 +14,7 @@
 #include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
 #include "pose/prior_map/prior_map.hpp"
+#include "text/finding.hpp"
 
 namespace orchard::pose {
 
@@ -42,6 +43,9 @@ class Localiser {
 
   /// Describes the present problem to the user (LOST, AMBIGUOUS, GNSS jumps); empty if none.
   virtual std::string warning() const { return {}; }
+
+  /// What is doubtful about the path of the whole drive, the worst first; none before finish().
+  virtual std::vector<Finding> findings() const { return {}; }
 
   /// Returns named statistics of the drive so far, for the evaluation afterwards.
   virtual std::vector<std::pair<std::string, std::int64_t>> statistics() const { return {}; }

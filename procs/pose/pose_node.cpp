@@ -130,6 +130,12 @@ void PoseNode::check_rig(const bus::Message& input) {
   }
 }
 
+std::vector<Finding> PoseNode::findings() const {
+  std::vector<Finding> findings = rig_monitor_.findings();
+  for (Finding& finding : localiser_->findings()) findings.push_back(std::move(finding));
+  return findings;
+}
+
 void PoseNode::push(pose::Measurement measurement) {
   const std::size_t kind = measurement.index();
   const std::int64_t utime = pose::utime_of(measurement);

@@ -37,7 +37,8 @@ class PoseNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override { return localiser_->warning(); }
-  std::vector<Finding> findings() const override { return rig_monitor_.findings(); }
+  /// Of the rig, which may be the cause of what is wrong with the path; then of the path.
+  std::vector<Finding> findings() const override;
   /// What the drive tells about the rig.
   const pose::RigEstimates& rig_estimates() const { return rig_monitor_.estimates(); }
   /// Statistics of the localiser as named numbers.

@@ -403,31 +403,42 @@ void Fusion::note(std::string text) {
   note_utime_ = utime_.value_or(0);
 }
 
+std::vector<Finding> Fusion::findings() const {
+  std::vector<Finding> findings;
+  if (!is_finished_) return findings;
+  if (!is_placed_) {
+    findings.push_back({"never_located", "pose.mode",
+                        "the start was never located: no heading from GNSS or POSE_FIX"});
+  }
+  if (!smoother_) return findings;
+  if (smoother_->is_doubtful()) {
+    findings.push_back({"positions_contradict", "pose.fusion",
+                        "the positions contradict each other or the wheels: the path may be wrong "
+                        "by far more than it says"});
+  }
+  if (smoother_->open_sd_m() > 0.0) {
+    findings.push_back(
+        {"fixes_ambiguous", "pose.fusion",
+         fmt::format("it is open which positions were displaced, e.g. by reflected signals: the "
+                     "path is the mean of several, {:.1f} m apart (one sigma) where they differ "
+                     "most",
+                     smoother_->open_sd_m())});
+  }
+  if (std::string left_out = rejected_fixes_text(smoother_->left_out()); !left_out.empty()) {
+    findings.push_back({"fixes_left_out", "pose.fusion", std::move(left_out)});
+  }
+  return findings;
+}
+
 std::string Fusion::warning() const {
   if (is_finished_) {
     std::string all;
-    if (const std::string left_out = smoother_ ? rejected_fixes_text(smoother_->left_out()) : "";
-        !left_out.empty()) {
-      all += left_out + "; ";
-    }
-    if (smoother_ && smoother_->open_sd_m() > 0.0) {
-      all += fmt::format(
-          "it is open which positions were displaced, e.g. by reflected signals: the path is the "
-          "mean of several, {:.1f} m apart (one sigma) where they differ most; ",
-          smoother_->open_sd_m());
-    }
-    if (smoother_ && smoother_->is_doubtful()) {
-      all +=
-          "the positions contradict each other or the wheels: the path may be wrong by far more "
-          "than it says; ";
-    }
     if (num_frozen_ > 0)
       all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);
     if (num_odometry_gaps_ > 0) {
       all += fmt::format("ODOMETRY silent {} times, up to {:.1f} s; ", num_odometry_gaps_,
                          odometry_gap_max_s_);
     }
-    if (!is_placed_) all += "the start was never located: no heading from GNSS or POSE_FIX; ";
     if (!all.empty()) all.resize(all.size() - 2);
     return all;
   }

@@ -64,6 +64,7 @@ class Fusion : public Localiser {
   std::optional<Trajectory> take_correction() override;
   void finish() override;
   std::string warning() const override;
+  std::vector<Finding> findings() const override;
 
   /// Returns the estimated sensor errors: speed scale with the slip, turn per metre [1/m], gyro
   /// bias [rad/s].

@@ -248,7 +248,8 @@ void TrunkSlam::finish() {
   closer_.merge_duplicate_landmarks(map_);
   if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
   told_.end(map_.graph);
-  at_end_ = {rejected_fixes_text(rejected_fixes(map_.graph)), receiver_text(map_.graph)};
+  rejected_text_ = rejected_fixes_text(rejected_fixes(map_.graph));
+  receiver_text_ = receiver_text(map_.graph);
 }
 
 std::optional<PoseEstimate> TrunkSlam::estimate() const {
@@ -273,7 +274,7 @@ std::optional<Trajectory> TrunkSlam::take_correction() {
   return trajectory;
 }
 
-std::string TrunkSlam::problem() const {
+std::string TrunkSlam::warning() const {
   if (map_.empty()) return {};
   if (motion_.time_since_motion_s() > config_.gap_s) {
     return "no motion measured for " +
@@ -288,30 +289,31 @@ std::string TrunkSlam::problem() const {
     return "LOST: the trunks in view did not fit the map for too long; a separate map is built "
            "until a loop closes";
   }
-  if (!finished_) return {};
-  if (kWorthSaying * (lost_us_ + ambiguous_us_) > driven_us_) {
-    return "LOST for " + std::to_string(lost_us_ / 1'000'000) + " s and AMBIGUOUS for " +
-           std::to_string(ambiguous_us_ / 1'000'000) + " s of " +
-           std::to_string(driven_us_ / 1'000'000) +
-           " s of the drive: check the map before using it";
-  }
-  if (end_sd_m() > config_.lost_sd_m) {
-    return "the position at the end of the drive is uncertain: " +
-           std::to_string(std::lround(end_sd_m() * 100)) + " cm (one sigma), " +
-           (num_closures() == 0 ? "because no loop was closed"
-                                : "long after the last closed loop") +
-           "; drive past known trees again";
-  }
   return {};
 }
 
-std::string TrunkSlam::warning() const {
-  std::string all = problem();
-  for (const std::string& text : at_end_) {
-    if (!all.empty() && !text.empty()) all += "; ";
-    all += text;
+std::vector<Finding> TrunkSlam::findings() const {
+  std::vector<Finding> findings;
+  if (!finished_ || map_.empty()) return findings;
+  if (kWorthSaying * (lost_us_ + ambiguous_us_) > driven_us_) {
+    findings.push_back({"lost_place", "pose.slam",
+                        "LOST for " + std::to_string(lost_us_ / 1'000'000) +
+                            " s and AMBIGUOUS for " + std::to_string(ambiguous_us_ / 1'000'000) +
+                            " s of " + std::to_string(driven_us_ / 1'000'000) +
+                            " s of the drive: check the map before using it"});
   }
-  return all;
+  if (end_sd_m() > config_.lost_sd_m) {
+    const bool has_loops = num_closures() > 0;
+    findings.push_back(
+        {has_loops ? "uncertain_end" : "no_loop_closed", "pose.slam",
+         "the position at the end of the drive is uncertain: " +
+             std::to_string(std::lround(end_sd_m() * 100)) + " cm (one sigma), " +
+             (has_loops ? "long after the last closed loop" : "because no loop was closed") +
+             "; drive past known trees again"});
+  }
+  if (!rejected_text_.empty()) findings.push_back({"fixes_left_out", "pose.gnss", rejected_text_});
+  if (!receiver_text_.empty()) findings.push_back({"receiver_noise", "pose.gnss", receiver_text_});
+  return findings;
 }
 
 void TrunkSlam::add(const PoseFix& fix) {

@@ -52,6 +52,7 @@ class TrunkSlam : public Localiser {
   std::optional<PoseEstimate> estimate() const override;
   std::optional<Trajectory> take_correction() override;
   std::string warning() const override;
+  std::vector<Finding> findings() const override;
   /// Returns statistics: loop searches, closures and undone closures; seconds LOST and AMBIGUOUS;
   /// the standard deviation of the newest position [mm].
   std::vector<std::pair<std::string, std::int64_t>> statistics() const override;
@@ -83,7 +84,6 @@ class TrunkSlam : public Localiser {
   void tell();
   void watch(std::int64_t utime);
   double end_sd_m() const;
-  std::string problem() const;
 
   PoseConfig pose_config_;
   SlamConfig config_;
@@ -104,7 +104,7 @@ class TrunkSlam : public Localiser {
   std::int64_t lost_us_ = 0;
   std::int64_t ambiguous_us_ = 0;
   bool finished_ = false;
-  std::vector<std::string> at_end_;  ///< what the fixes showed, for warning(); set by finish()
+  std::string rejected_text_, receiver_text_;  ///< what the fixes showed; set by finish()
 };
 
 }  // namespace orchard::pose

@@ -13,7 +13,9 @@
 
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
+#include "pose/motion.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
+#include "unit/pose/scan_matching/cast_world.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -147,6 +149,46 @@ TEST(PoseNode, FixesOfAReceiverThatTakesItsTimeAreUsedLikePunctualOnes) {
   }
 }
 
+/// Up a row of a cast orchard, with true wheels and the scans of a scanner 0.4 m ahead; a turn to
+/// either side in between.
+TEST(PoseNode, AScannerThatIsNotWhereTheRigSaysIsNamedAndMovesNoPose) {
+  io::Config config = config_of(pose::PoseMode::kOdometry);
+  config.laser.mount_x_m = 0.4;
+  config.laser.mount_yaw_rad = 0.1;  // it looks ahead
+  const pose::CastWorld world = pose::orchard_world();
+  Eigen::Vector3d T_map_base(1.0, -4.0, 0.0);
+  std::vector<bus::Message> wheels, all;
+  for (int i = 0; i < 250; ++i) {
+    pose::Odometry odometry;
+    odometry.utime = i * 200'000;
+    odometry.seq = i;
+    odometry.speed_mps = 0.8;
+    odometry.yaw_rate_radps = i % 80 < 50 ? 0.0 : (i / 80 % 2 == 0 ? 0.3 : -0.3);
+    T_map_base = pose::compose(
+        T_map_base,
+        pose::arc_motion(odometry.speed_mps, odometry.yaw_rate_radps, i > 0 ? 0.2 : 0.0));
+    wheels.emplace_back(odometry);
+    all.emplace_back(odometry);
+    laser::Scan scan =
+        world.scan(odometry.utime, pose::compose(T_map_base, {0.4, 0.0, 0.0}), nullptr);
+    scan.seq = i;
+    all.emplace_back(scan);
+  }
+  EXPECT_EQ(run(config, all).size(), run(config, wheels).size());
+
+  PoseNode node(config);
+  for (const bus::Message& message : all) node.handle(message, [](const bus::Message&) {});
+  node.flush([](const bus::Message&) {});
+  ASSERT_EQ(node.findings().size(), 1u);
+  EXPECT_EQ(node.findings()[0].name, "laser_yaw");
+  EXPECT_NE(bus::warning_text(node).find("laser.mount_yaw_rad is 0.100"), std::string::npos);
+  config.laser.mount_yaw_rad = 0.0;
+  PoseNode right(config);
+  for (const bus::Message& message : all) right.handle(message, [](const bus::Message&) {});
+  right.flush([](const bus::Message&) {});
+  EXPECT_TRUE(right.findings().empty());
+}
+
 TEST(PoseNode, AStationaryRobotIsAtTheOriginForEveryScan) {
   laser::Scan scan;
   scan.utime = 77;
@@ -249,8 +291,13 @@ TEST_F(PriorMapNode, FindsItsPlaceInTheMapOfAFileAndLeavesTheFileAlone) {
   const std::string before = map_text();
   config_.pose.prior_map.map_file = folder_.string();  // the folder serves as well
   PoseNode node(config_);
-  EXPECT_EQ(node.inputs(),
-            (std::vector<bus::Channel>{bus::Channel::kOdometry, bus::Channel::kDetections}));
+  const std::vector<bus::Channel> inputs = node.inputs();
+  ASSERT_GE(inputs.size(), 2u);
+  EXPECT_EQ(inputs[0], bus::Channel::kOdometry);
+  EXPECT_EQ(inputs[1], bus::Channel::kDetections);
+  for (std::size_t i = 2; i < inputs.size(); ++i) {  // they only check the rig
+    EXPECT_EQ(node.need_of(inputs[i]), bus::InputNeed::kOccasional) << bus::info(inputs[i]).name;
+  }
   EXPECT_EQ(node.warning().find("LOST"), 0u);
 
   std::vector<pose::PoseEstimate> poses;

@@ -181,6 +181,7 @@ Outcome run(const PoseConfig& config, const Errors& errors, std::uint64_t seed,
   }
   fusion.finish();
   result.final_warning = fusion.warning();
+  for (const Finding& finding : fusion.findings()) result.final_warning += finding.text;
   result.rmse_m = std::sqrt(sum2 / count);
   result.yaw_rmse_rad = std::sqrt(yaw_sum2 / count);
   result.sensor_errors = fusion.sensor_errors();

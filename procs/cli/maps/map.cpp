@@ -9,6 +9,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@
 #include "cli/rig/learn.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
+#include "io/figure/scan_figure.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/log/log_series.hpp"
@@ -251,6 +253,34 @@ void tell_findings(const std::vector<Finding>& findings) {
   }
 }
 
+/// The first valid scan at or after a time.
+std::optional<laser::Scan> scan_at(const io::LogPaths& logs, std::int64_t utime) {
+  io::LogSeries reader(logs);
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(Channel::kScan).name) continue;
+    const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
+    const auto* message = std::get_if<bus::Message>(&decoded);
+    const auto* scan = message ? std::get_if<laser::Scan>(message) : nullptr;
+    if (scan != nullptr && !scan->ranges_m.empty() && scan->utime >= utime) return *scan;
+  }
+  return std::nullopt;
+}
+
+/// Draws the scan in the middle of a doubtful drive: what is wrong with a rig is often seen there.
+void write_doubtful_scan(const io::Config& config, const io::LogPaths& logs,
+                         const ReplayReport& report, const std::string& path) {
+  const std::int64_t middle = report.first_utime + (report.last_utime - report.first_utime) / 2;
+  const std::optional<laser::Scan> scan = scan_at(logs, middle);
+  if (!scan) return;
+  const double at_s = 1e-6 * static_cast<double>(scan->utime - report.first_utime);
+  io::write_file_atomically(
+      path,
+      io::scan_figure(*scan, config.laser, config.detector.segmentation, config.detector.width,
+                      fmt::format("{}: the scan at {:.1f} s, from above", logs.text(), at_s),
+                      io::FigureFormat::kPng));
+  std::fprintf(stderr, "orchard map: what the scanner sees is drawn in %s\n", path.c_str());
+}
+
 /// The laser's field of view from the rig and the log's first scan, for later comparisons.
 mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
@@ -260,17 +290,10 @@ mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& lo
   view.mount_x_m = config.laser.mount_x_m;
   view.mount_y_m = config.laser.mount_y_m;
   view.mount_yaw_rad = config.laser.mount_yaw_rad;
-  io::LogSeries reader(logs);
-  while (const auto event = reader.next()) {
-    if (event->channel != bus::info(Channel::kScan).name) continue;
-    const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    const auto* scan = message ? std::get_if<laser::Scan>(message) : nullptr;
-    if (scan == nullptr || scan->ranges_m.empty()) continue;
+  if (const auto scan = scan_at(logs, std::numeric_limits<std::int64_t>::min())) {
     const double end_rad = scan->bearing_rad(static_cast<double>(scan->ranges_m.size()) - 1.0);
     view.bearing_min_rad = std::min(scan->bearing_min_rad, end_rad);
     view.bearing_max_rad = std::max(scan->bearing_min_rad, end_rad);
-    break;
   }
   return view;
 }
@@ -376,6 +399,11 @@ int run_map(const MapOptions& options) {
     corrections = account_corrections("orchard map", earlier, seen);
   }
   io::write_map_folder(options.out_folder, content);
+  const std::string scan_path = options.out_folder + "/scan.png";
+  std::filesystem::remove(scan_path);
+  if (!content.summary.quality.empty()) {
+    write_doubtful_scan(config, logs_of(options), report, scan_path);
+  }
   const std::string learnt_path = options.out_folder + "/learnt.yaml";
   if (learnt.empty()) {
     std::filesystem::remove(learnt_path);  // an old file would pass for this map's

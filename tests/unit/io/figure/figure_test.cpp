@@ -15,6 +15,7 @@
 #include "io/figure/map_figure.hpp"
 #include "io/figure/overlay_figure.hpp"
 #include "io/figure/plot_axes.hpp"
+#include "io/figure/scan_figure.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
@@ -475,6 +476,29 @@ cv::Mat drawn(const OverlayContent& content) {
 
 cv::Vec3b middle_of(const cv::Mat& sheet, int x_px, int y_px) {
   return sheet.at<cv::Vec3b>(y_px * kScale + kScale / 2, x_px * kScale + kScale / 2);
+}
+
+/// A beam straight ahead of a scanner that looks to the left: its return is to the left.
+TEST(ScanFigure, AReturnStandsWhereItIsFromAbove) {
+  laser::Scan scan;
+  scan.bearing_step_rad = 0.1;
+  scan.range_max_m = 10.0;
+  scan.ranges_m = {2.0f};
+  laser::LaserConfig laser;
+  laser.mount_x_m = 1.0;
+  laser.mount_yaw_rad = 1.5707963267948966;
+  laser::SegmentationConfig segmentation;
+  segmentation.range_max_m = 10.0;
+  const cv::Mat picture =
+      decoded(scan_figure(scan, laser, segmentation, {}, "a scan", FigureFormat::kPng));
+  // Left of the legend's own sign, at the top: 900 px are 22 m.
+  const cv::Mat plot = picture(cv::Rect(70, 76, 900, 900));
+  std::vector<cv::Point> found;
+  cv::findNonZero(pixels_of(plot, Colour{40, 70, 160}), found);
+  ASSERT_FALSE(found.empty());
+  const cv::Rect box = cv::boundingRect(found);
+  EXPECT_NEAR(box.x + 0.5 * box.width, 450.0 - 900.0 / 22.0 * 2.0, 2.0);
+  EXPECT_NEAR(box.y + 0.5 * box.height, 450.0 - 900.0 / 22.0 * 1.0, 2.0);
 }
 
 TEST(OverlayFigure, PointsAndEdgesStandOnTheirPixels) {

@@ -302,11 +302,21 @@ mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& lo
 
 namespace {
 
+/// Whether a log holds no CONFIG at all; one that is damaged is no reason to learn another.
+bool has_no_rig(const io::LogPaths& logs) {
+  if (!bus::read_logged_rigs(logs).empty()) return false;
+  io::LogSeries reader(logs);
+  while (const auto event = reader.next()) {
+    if (event->channel == bus::info(Channel::kConfig).name) return false;
+  }
+  return true;
+}
+
 /// The rig that was given, that of the log, or what the drive shows of it: then `learnt` is its
 /// YAML.
 procs::ReplayRig rig_of(const MapOptions& options, std::string& learnt) {
   const io::LogPaths logs = logs_of(options);
-  if (!options.config_path.empty() || !bus::read_logged_rigs(logs).empty()) {
+  if (!options.config_path.empty() || !has_no_rig(logs)) {
     return procs::choose_rig(logs, options.config_path);
   }
   LearntRig rig = learn_rig("orchard map", logs, "", options.quiet);

@@ -181,7 +181,8 @@ EXPERIMENTS = {
             "not always named", "140 of 150", "11-13 looked at / 1-10"),
     ]),
     "right_rigs": Experiment("Wrong rigs", seeds=(1, 10), trial=rig_faults.right_rigs, rows=[
-        Row("alarms", "drives of six right rigs in which a fault of the rig is named", "0", "3 looked at / 1-10"),
+        Row("alarms", "drives of six right rigs (orchard, hard orchard, block, yard, park, two scanners), two minutes each, in which a fault "
+            "of the rig is named", "0", "1-3 looked at / 1-10"),
     ]),
     "prior_map": Experiment("Pose", seeds=(1, 800), trial=trials.prior_map, rows=[
         Row("found distance foreign",

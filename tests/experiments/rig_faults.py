@@ -127,8 +127,8 @@ def wrong_rigs(lab, seeds):
 
 def right_rigs(lab, seeds):
     rigs = {"orchard": (lab.rig("orchard"), "orchard", 0), "orchard_hard": (lab.rig("orchard_hard"), "orchard", 0),
-            "block": (lab.rig("block"), "orchard", 300), "yard": (lab.rig("yard"), "yard", 300),
-            "park": (lab.rig("park"), "park", 300),
+            "block": (lab.rig("block"), "orchard", 120), "yard": (lab.rig("yard"), "yard", 120),
+            "park": (lab.rig("park"), "park", 120),
             "two scanners": (lab.rig("orchard", {"camera.enabled": "false", **REAR}), "orchard", 0)}
     # what is wrong with a path or a map (no loop, twins, no rows) is no alarm about its rig
     of_rig = set().union(*(right for _, _, right in FAULTS.values())) - {"few_trees"} | {"wheels_delay"}

@@ -73,8 +73,8 @@ std::vector<float> profile_of(const vision::EdgeMap& map, int first_row, int num
 }
 
 double at_column(const std::vector<float>& profile, double column_px) {
-  const auto x = static_cast<std::ptrdiff_t>(column_px + 0.5);
-  const bool is_inside = x >= 0 && x < static_cast<std::ptrdiff_t>(profile.size());
+  const double x = column_px + 0.5;
+  const bool is_inside = x >= 0.0 && x < static_cast<double>(profile.size());  // false for NaN
   return is_inside ? static_cast<double>(profile[static_cast<std::size_t>(x)]) : 0.0;
 }
 

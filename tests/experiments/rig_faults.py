@@ -122,7 +122,7 @@ def wrong_rigs(lab, seeds):
         lab.say(f"  {name}: {sum(right)} of {len(right)}")
     num = sum(map(len, told.values()))
     return {"named": f"{sum(map(sum, told.values()))} of {num}",
-            "worst": ", ".join(f"{n} {sum(r)}" for n, r in told.items() if sum(r) < len(r)) or "none below all"}
+            "worst": ", ".join(f"{n} {sum(r)}" for n, r in told.items() if sum(r) < len(r)) or "none"}
 
 
 def right_rigs(lab, seeds):

@@ -22,9 +22,11 @@ constexpr double kKeyWay_m = 0.3;
 constexpr double kKeyTurn_rad = 0.15;
 constexpr double kStretchWay_m = 1.0;
 constexpr double kStretchTurn_rad = 0.5;
-/// derived: the errors fall by the root of their number: twenty stretches tell a degree, three
-/// hundred, a drive of some hundred metres, a quarter of that. More would only cost.
+/// derived: the errors fall by the root of their number: twenty stretches tell a degree, 150, a
+/// drive of some hundred metres, a third of that. More would only cost; so would keys without end
+/// where scans do not determine the motion.
 constexpr std::size_t kStretchesMax = 150;
+constexpr std::size_t kKeysMax = 1000;
 constexpr std::size_t kFirstJudgement = 50;
 /// derived: twenty seconds of scans at 10 Hz; who is later than that does not come.
 constexpr std::size_t kWaitingMax = 200;
@@ -86,7 +88,7 @@ void judge_scanner(const MountEstimate& seen, const laser::LaserConfig& stated,
   const std::string by = by_text(seen, by_wheels);
   if (seen.is_mirrored) {
     findings.push_back(
-        {"mirrored", section,
+        {"mirrored", "drivers." + section,
          std::string("the scans turn the other way than ") + reference_name(by_wheels) +
              " tell: the map is a mirror image if the scanner is mounted upside down (its driver "
              "must then send a negative bearing_step_rad), or " +
@@ -127,20 +129,14 @@ void judge_wheels(const MountEstimate& seen, std::vector<Finding>& findings) {
   }
 }
 
-std::optional<Estimate> at_index(const AntennaEstimate& seen, const Eigen::Vector2d& p_base_m,
-                                 double yaw_rad, int k) {
-  const Eigen::Matrix2d R = geometry::rotation(yaw_rad);
-  const Eigen::Matrix2d P = R * seen.covariance * R.transpose();
-  return Estimate{p_base_m(k), std::sqrt(P(k, k))};
-}
-
 void judge_antenna(const AntennaEstimate& seen, const RigFacts& facts,
                    std::vector<Finding>& findings) {
   const laser::LaserConfig& laser = facts.laser;
   const Eigen::Vector2d p_base_m = geometry::transform(
       Eigen::Vector3d(laser.mount_x_m, laser.mount_y_m, laser.mount_yaw_rad), seen.p_laser_m);
-  const Estimate x = *at_index(seen, p_base_m, laser.mount_yaw_rad, 0);
-  const Estimate y = *at_index(seen, p_base_m, laser.mount_yaw_rad, 1);
+  const Eigen::Matrix2d R = geometry::rotation(laser.mount_yaw_rad);
+  const Eigen::Matrix2d P = R * seen.covariance * R.transpose();
+  const Estimate x{p_base_m.x(), std::sqrt(P(0, 0))}, y{p_base_m.y(), std::sqrt(P(1, 1))};
   const auto& stated_m = facts.gnss.antenna_m;
   if (!contradicts(x, stated_m[0], kAntennaTolerance_m) &&
       !contradicts(y, stated_m[1], kAntennaTolerance_m)) {
@@ -186,7 +182,9 @@ ScannerPath::ScannerPath(const ScanMotionConfig& config, const laser::BlindSecto
     : motion_(without_search(config), at_origin(), blind),
       T_base_laser_(stated.mount_x_m, stated.mount_y_m, stated.mount_yaw_rad) {}
 
-bool ScannerPath::is_complete() const { return pairs_.size() >= kStretchesMax; }
+bool ScannerPath::is_complete() const {
+  return pairs_.size() >= kStretchesMax || keys_.size() >= kKeysMax;
+}
 
 void ScannerPath::add(const laser::Scan& scan) {
   if (is_complete()) return;

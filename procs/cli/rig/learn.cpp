@@ -148,13 +148,18 @@ std::string pair_text(double a, double b) { return "[" + number(a) + ", " + numb
 class Learner {
  public:
   Learner(const char* command, const io::LogPaths& logs, const std::string& base, bool quiet)
-      : command_(command), logs_(logs), quiet_(quiet), survey_(survey_of(logs)), rig_(base) {}
+      : command_(command),
+        logs_(logs),
+        quiet_(quiet),
+        is_given_(!base.empty()),
+        survey_(survey_of(logs)),
+        rig_(base),
+        before_(rig_.config()) {}
 
   LearntRig learnt() {
-    const io::Config before = rig_.config();
-    const bool has_camera = before.camera.enabled && survey_.has(Channel::kImage) &&
+    const bool has_camera = before_.camera.enabled && survey_.has(Channel::kImage) &&
                             rig_.yaml().find("fc_px") != std::string::npos;
-    start(before, has_camera);
+    start(has_camera);
     const Drive first = mapped(command_, logs_, rig_.config(), "first look", quiet_);
     learn_place(first);
     learn_noise(first);
@@ -180,19 +185,12 @@ class Learner {
   }
   void ask(const std::string& what) { result_.asked.push_back(what); }
 
-  void start(const io::Config& before, bool has_camera) {
+  /// Before the first look: what the log holds, and values by which trunks of any width and scans
+  /// of any noise are seen.
+  void start(bool has_camera) {
     if (!has_camera) rig_.set({{"camera.enabled", "false"}}, "");
-    std::string channels;
-    for (const Channel channel : {Channel::kOdometry, Channel::kPoseFix, Channel::kGnss}) {
-      if (!survey_.has(channel)) continue;
-      channels += (channels.empty() ? "" : ", ") + std::string(bus::info(channel).name);
-    }
-    tell(pose_values(survey_), channels.empty() ? "the log holds SCAN alone: they tell the motion"
-                                                : "the log has " + channels);
-    if (!has_camera && before.detector.tree_threshold > 0.2) {
-      rig_.set({{"detector.tree_threshold", "0.2"}}, "by the laser alone");
-    }
-    if (survey_.has(Channel::kScanRear) && !before.laser_rear.enabled) {
+    if (!is_given_) start_without_rig(has_camera);
+    if (survey_.has(Channel::kScanRear) && !before_.laser_rear.enabled) {
       ask("SCAN.rear is left out: set laser_rear.enabled: true and its mount");
     }
     rig_.set({{"laser.range_sd_m", number(kAnyNoise_m)}, {"laser.range_sd_fraction", "0.0"}}, "");
@@ -201,6 +199,18 @@ class Learner {
              "");
     rig_.set({{"detector.segmentation.range_max_m", number(reach_m(*survey_.scan, kAnyWidth_m))}},
              "");
+  }
+
+  /// What a rig that is given decides itself.
+  void start_without_rig(bool has_camera) {
+    std::string channels;
+    for (const Channel channel : {Channel::kOdometry, Channel::kPoseFix, Channel::kGnss}) {
+      if (!survey_.has(channel)) continue;
+      channels += (channels.empty() ? "" : ", ") + std::string(bus::info(channel).name);
+    }
+    tell(pose_values(survey_), channels.empty() ? "the log holds SCAN alone: they tell the motion"
+                                                : "the log has " + channels);
+    if (!has_camera) rig_.set({{"detector.tree_threshold", "0.2"}}, "by the laser alone");
     rig_.set({{"mapper.min_observations", "5"}}, "fewer views are twigs and people");
   }
 
@@ -250,6 +260,11 @@ class Learner {
 
   void learn_noise(const Drive& drive) {
     if (!drive.noise_ratio) {
+      if (is_given_) {
+        rig_.set({{"laser.range_sd_m", shortest_text(before_.laser.range_sd_m)},
+                  {"laser.range_sd_fraction", shortest_text(before_.laser.range_sd_fraction)}},
+                 "");
+      }
       ask("laser.range_sd_m: the noise of a range, from the data sheet (no smooth surface is large "
           "enough to tell)");
       return;
@@ -272,6 +287,13 @@ class Learner {
   void learn_width(const Drive& drive) {
     const auto width = mapping::trunk_width_of(drive.landmarks);
     if (!width) {
+      if (is_given_) {
+        rig_.set({{"detector.width.mean_m", shortest_text(before_.detector.width.mean_m)},
+                  {"detector.width.sd_m", shortest_text(before_.detector.width.sd_m)},
+                  {"detector.segmentation.range_max_m",
+                   shortest_text(before_.detector.segmentation.range_max_m)}},
+                 "");
+      }
       ask("detector.width.mean_m, sd_m: the width of the trunks at the height of the scanner, by a "
           "calliper (too few are alike to tell)");
       return;
@@ -286,8 +308,10 @@ class Learner {
   const char* command_;
   const io::LogPaths& logs_;
   bool quiet_;
+  bool is_given_;  ///< a rig to complete: what is not seen of it stays
   Survey survey_;
   RigText rig_;
+  io::Config before_;
   LearntRig result_;
 };
 

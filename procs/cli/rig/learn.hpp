@@ -25,9 +25,10 @@ struct LearntRig {
   std::vector<std::string> asked;  ///< what the drive does not show, and how to find it
 };
 
-/// Learns what a drive tells about its rig, beginning with the YAML text `base` (may be empty): the
-/// sensors from the channels, mount, antenna, range noise, blind sector, reach and trunk width from
-/// mapping it twice. Throws io::FileError for logs without scans, and io::ConfigError.
+/// Learns what a drive tells about its rig, beginning with the YAML text `base` (may be empty; what
+/// is not seen of it stays): the sensors from the channels, mount, antenna, range noise, blind
+/// sector, reach and trunk width from mapping it twice. Throws io::FileError for logs without
+/// scans, and io::ConfigError.
 LearntRig learn_rig(const char* command, const io::LogPaths& logs, const std::string& base,
                     bool quiet);
 

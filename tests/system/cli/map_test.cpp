@@ -227,6 +227,19 @@ TEST_F(MapCommand, ALogWithoutARigIsMappedByWhatItShowsOfIt) {
             0);
   EXPECT_EQ(read_file(path("again/map.csv")), read_file(path("bare/map.csv")));
 
+  // What is given and not seen stays.
+  write_file(path("facts.yaml"),
+             "laser:\n  range_sd_m: 0.004\ncamera:\n  enabled: false\npose:\n  mode: fixes\n"
+             "mapper:\n  min_observations: 7\n");
+  ASSERT_EQ(orchard({"learn", path("bare.lcm"), "--config", path("facts.yaml"), "--out",
+                     path("more.yaml")})
+                .exit_code,
+            0);
+  for (const char* fact :
+       {"range_sd_m: 0.004", "mode: fixes", "min_observations: 7", "mean_m: 0.09"}) {
+    EXPECT_THAT(read_file(path("more.yaml")), HasSubstr(fact));
+  }
+
   const Result nothing = orchard({"learn", path("rig.yaml"), "--out", path("none.yaml")});
   EXPECT_EQ(nothing.exit_code, 3) << nothing.err;
   EXPECT_FALSE(exists(path("none.yaml")));

@@ -176,10 +176,11 @@ double CameraCheck::score(const Camera& camera, const Tilt& tilt) const {
       }
     }
   }
-  return sum / std::sqrt(static_cast<double>(kBands * num));
+  // An edge that crosses all bands is one edge: the bands count as one.
+  return sum / (kBands * std::sqrt(static_cast<double>(num)));
 }
 
-/// Every so-manieth picture is enough.
+/// The step between the pictures that are used: a part of many is enough.
 std::size_t CameraCheck::stride() const { return num_sides_ / kSidesMax + 1; }
 
 void CameraCheck::add(CameraSight sight) {

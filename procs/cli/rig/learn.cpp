@@ -45,6 +45,9 @@ constexpr double kMountSdMax_m = 0.03;
 constexpr double kYawSdMax_rad = 0.015;
 constexpr double kAntennaSdMax_m = 0.10;
 
+/// The comment of a value that the drive did not show.
+constexpr const char* kNotSeen = "not seen; as given, or a guess to be replaced";
+
 /// What a log holds.
 struct Survey {
   std::set<Channel> channels;
@@ -265,6 +268,7 @@ class Learner {
                   {"laser.range_sd_fraction", shortest_text(before_.laser.range_sd_fraction)}},
                  "");
       }
+      rig_.set({{"laser.range_sd_m", shortest_text(rig_.config().laser.range_sd_m)}}, kNotSeen);
       ask("laser.range_sd_m: the noise of a range, from the data sheet (no smooth surface is large "
           "enough to tell)");
       return;
@@ -294,6 +298,8 @@ class Learner {
                    shortest_text(before_.detector.segmentation.range_max_m)}},
                  "");
       }
+      rig_.set({{"detector.width.mean_m", shortest_text(rig_.config().detector.width.mean_m)}},
+               kNotSeen);
       ask("detector.width.mean_m, sd_m: the width of the trunks at the height of the scanner, by a "
           "calliper (too few are alike to tell)");
       return;

@@ -49,7 +49,7 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const PriorM
       break;
   }
   if (reads_scans(config)) {
-    return std::make_unique<ScanOdometry>(config.scan_motion, laser, blind);
+    return std::make_unique<ScanOdometry>(config, laser, blind);
   }
   return std::make_unique<Fusion>(as_fused(config));
 }

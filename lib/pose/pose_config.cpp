@@ -17,7 +17,9 @@ double gnss_wait_s(const PoseConfig& config) {
 }  // namespace
 
 bool reads_scans(const PoseConfig& config) {
-  return config.mode == PoseMode::kOdometry && config.motion == MotionSource::kScans;
+  return config.motion == MotionSource::kScans &&
+         (config.mode == PoseMode::kOdometry || config.mode == PoseMode::kSlam ||
+          config.mode == PoseMode::kPriorMap);
 }
 
 PoseConfig as_fused(PoseConfig config) {
@@ -41,9 +43,8 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
     case PoseMode::kPriorMap:
-      expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
-                                                   : MeasurementKind::kOdometry,
-             config.reorder_window_s);
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      if (reads_scans(config)) expect(MeasurementKind::kScan, config.reorder_window_s);
       expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       break;
     case PoseMode::kOdometry:
@@ -51,6 +52,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
     case PoseMode::kFused: {
       if (reads_scans(config)) {
         expect(MeasurementKind::kScan, config.reorder_window_s);
+        expect(MeasurementKind::kOdometry, config.reorder_window_s);
         break;
       }
       const FusionConfig fusion = as_fused(config).fusion;
@@ -62,9 +64,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
     }
     case PoseMode::kSlam:
       expect(MeasurementKind::kScan, config.reorder_window_s);
-      if (config.motion == MotionSource::kWheels) {
-        expect(MeasurementKind::kOdometry, config.reorder_window_s);
-      }
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
       expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       if (config.slam.use_gnss) expect(MeasurementKind::kGnss, gnss_wait_s(config));
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);

@@ -247,7 +247,7 @@ enum class PoseMode {
 /// Source of the robot's relative motion.
 enum class MotionSource {
   kWheels,  ///< ODOMETRY
-  kScans,   ///< SCAN: each scan is matched to the previous ones
+  kScans,   ///< SCAN: each scan is matched to the previous ones, from where ODOMETRY expects it
 };
 
 /// Configuration of the localisation. Section `pose`.
@@ -276,7 +276,8 @@ void describe(Visitor& v, PoseConfig& c) {
            "method of localisation");
   v.choice(
       "motion", c.motion, {"wheels", "scans"},
-      "source of the motion in modes odometry, slam and prior_map: ODOMETRY, or matching of scans");
+      "source of the motion in modes odometry, slam and prior_map: ODOMETRY alone, or matching of "
+      "scans, together with ODOMETRY if there is any");
   v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
                     "max delay between channels (message time); for GNSS it is always 0.5 s");
   v.expert().number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
@@ -302,7 +303,7 @@ void describe(Visitor& v, PoseConfig& c) {
 /// Returns which kinds of measurement the localiser uses, and how long to wait for each.
 MeasurementWaits expected_measurements(const PoseConfig& config);
 
-/// True if the motion of this mode is that of successive scans alone.
+/// True if the motion of this mode is that of successive scans, with the wheels as a help.
 bool reads_scans(const PoseConfig& config);
 
 /// Returns the configuration with which mode `fused` uses what this mode names, and nothing else.

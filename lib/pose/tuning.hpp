@@ -28,7 +28,6 @@ inline constexpr double kScoreReliable = 0.35;      ///< below it a match is a g
 inline constexpr double kScoreAdvantage = 0.05;     ///< of a pose found over the predicted one
 inline constexpr double kAlongFraction = 0.05;      ///< weight of a residual along a surface
 inline constexpr double kCorrelatedPoints = 4.0;    ///< neighbouring points that count as one
-inline constexpr double kUntoldFraction = 0.25;     ///< of the variance: a scan does not tell
 inline constexpr double kFractionByChance = 0.045;  ///< informative on an endless surface
 
 // Loop closure by scans; on scene yard, seeds 1-4.

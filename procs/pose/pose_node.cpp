@@ -71,6 +71,7 @@ PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocato
       }),
       localiser_(make_localiser_()),
       checks_rig_(config.pose.mode != pose::PoseMode::kStationary),
+      moves_by_scans_(pose::reads_scans(config.pose)),
       rig_(rig_facts(config)),
       rig_monitor_(rig_) {}
 
@@ -93,16 +94,17 @@ std::vector<bus::Channel> PoseNode::inputs() const {
 }
 
 /// GNSS and IMU are optional; odometry, scans and trunks are required by the modes that use them.
-/// What only checks the rig may be absent.
+/// What only checks the rig, and odometry where the scans tell the motion, may be absent.
 bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
   const std::vector<bus::Channel> of_mode = mode_inputs();
   if (!contains(of_mode, channel)) return bus::InputNeed::kOccasional;
   if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
     return bus::InputNeed::kOptional;
   }
-  // With odometry, scans are used only for loop closure.
-  if (channel == bus::Channel::kScan && contains(of_mode, bus::Channel::kOdometry)) {
-    return bus::InputNeed::kOptional;
+  if (moves_by_scans_) {
+    if (channel == bus::Channel::kOdometry) return bus::InputNeed::kOccasional;
+  } else if (channel == bus::Channel::kScan && contains(of_mode, bus::Channel::kOdometry)) {
+    return bus::InputNeed::kOptional;  // only for loop closure
   }
   const bool only_fixes = channel == bus::Channel::kPoseFix && of_mode.size() == 1;
   return only_fixes ? bus::InputNeed::kRequired : Node::need_of(channel);

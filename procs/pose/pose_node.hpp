@@ -68,6 +68,7 @@ class PoseNode : public bus::Node {
   std::function<std::unique_ptr<pose::Localiser>()> make_localiser_;
   std::unique_ptr<pose::Localiser> localiser_;
   bool checks_rig_;
+  bool moves_by_scans_;
   pose::RigFacts rig_;
   pose::RigMonitor rig_monitor_;
   std::int64_t last_utime_ = std::numeric_limits<std::int64_t>::min();  ///< of the last POSE

@@ -83,14 +83,15 @@ PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, const PriorMapDat
       field_(config_.detection_range_m),
       local_(config_),
       tracker_(map_, config_) {
-  if (config.motion == MotionSource::kScans) {
-    scan_motion_.emplace(config.scan_motion, mount, blind);
+  if (reads_scans(config)) {
+    scan_motion_.emplace(config, mount, blind);
   }
   state_ = "LOST: no trunk was observed yet";
 }
 
 void PriorMapLocaliser::add(const Measurement& measurement) {
   if (scan_motion_) {
+    if (const auto* odometry = std::get_if<Odometry>(&measurement)) scan_motion_->add(*odometry);
     if (const auto* scan = std::get_if<laser::Scan>(&measurement)) add(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
     add(*odometry);

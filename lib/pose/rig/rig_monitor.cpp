@@ -167,8 +167,10 @@ laser::Scan thinned_out(const laser::Scan& scan) {
 }
 
 /// Scans are near enough to each other for their guesses; all turns are still tried.
-ScanMotionConfig without_search(ScanMotionConfig config) {
-  config.search_shift_m = 0.0;
+PoseConfig without_search(const ScanMotionConfig& scan_motion) {
+  PoseConfig config;
+  config.scan_motion = scan_motion;
+  config.scan_motion.search_shift_m = 0.0;
   return config;
 }
 

@@ -10,6 +10,7 @@
 #include "geometry/symmetric.hpp"
 #include "pose/motion.hpp"
 #include "pose/scan_matching/point_map.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 
@@ -63,10 +64,29 @@ bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre, double s
   return (match.T_map_base - centre).head<2>().norm() <= shift_m + kPairMax_m;
 }
 
-// physical: roughness of surfaces, and what a robot moves between two scans.
+// physical: roughness of surfaces, and what a robot moves between two scans: 2 m/s for half a
+// second.
 constexpr double kResidualSd_m = 0.02;
-constexpr double kUnknownShiftSd_m = 0.5;
-constexpr double kUnknownTurnSd_rad = 0.3;
+constexpr double kUnknownShiftSd_m = 1.0;
+constexpr double kUnknownTurnSd_rad = 0.6;
+
+// physical: what no wheel and no clock tells of the motion between two scans.
+constexpr double kLeastShiftSd_m = 0.005;
+constexpr double kLeastTurnSd_rad = 0.002;
+
+Eigen::Matrix3d least_motion() {
+  return Eigen::Vector3d(kLeastShiftSd_m * kLeastShiftSd_m, kLeastShiftSd_m * kLeastShiftSd_m,
+                         kLeastTurnSd_rad * kLeastTurnSd_rad)
+      .asDiagonal();
+}
+
+// derived: the search covers what the wheels leave open; chi-squared of three degrees of freedom
+// at 99.9 %.
+constexpr double kSearchSigmas = 3.0;
+constexpr double kContradictionMax = 16.27;
+// derived: the wheels' errors are learnt over this many scans; one of them is at most doubted.
+constexpr double kSurpriseScans = 50.0;
+constexpr double kSurpriseGrowth = 25.0;
 
 // derived: shifted so far, informative points keep a fit of exp(-0.5 * 1.5^2) = 0.32.
 constexpr double kProbeKernels = 1.5;
@@ -104,6 +124,12 @@ bool is_sure(const Eigen::Matrix3d& covariance) {
       std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
   return half_trace + deviation <= kReliableShiftSd_m * kReliableShiftSd_m &&
          covariance(2, 2) <= kReliableTurnSd_rad * kReliableTurnSd_rad;
+}
+
+/// Readings as far apart as PoseConfig::kOdometryGapMax_s still tell the motion between them.
+SlamConfig with_gap(SlamConfig config) {
+  config.gap_s = PoseConfig::kOdometryGapMax_s;
+  return config;
 }
 
 }  // namespace
@@ -193,14 +219,14 @@ ScanMatch ScanMatcher::unmatched(const std::vector<SurfacePoint>& points,
 }
 
 ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
-                                const Eigen::Vector3d& centre, double shift_m,
+                                const Eigen::Vector3d& centre, double shift_m, double turn_rad,
                                 const ScanMatch& found) const {
   const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
   double farthest_m = kSearchKernel_m;
   for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
   const LikelihoodField raster(map_, centre.head<2>(), farthest_m + shift_m, kSearchKernel_m);
   const double turn_step_rad = kSearchKernel_m / farthest_m;
-  const int turns = static_cast<int>(std::ceil(geometry::kPi / turn_step_rad));
+  const int turns = static_cast<int>(std::ceil(turn_rad / turn_step_rad));
   const int shifts = static_cast<int>(std::ceil(shift_m / kSearchShiftStep_m));
   std::vector<Place> places;
   std::vector<Eigen::Vector2d> arms_map(some.size());
@@ -239,7 +265,8 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
 }
 
 ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
-                             const std::vector<Eigen::Vector3d>& guesses) const {
+                             const std::vector<Eigen::Vector3d>& guesses, double shift_max_m,
+                             double turn_max_rad) const {
   const Eigen::Vector3d* start = &guesses.front();
   double best_score = -1.0;
   for (const Eigen::Vector3d& guess : guesses) {
@@ -250,13 +277,13 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
     }
   }
   ScanMatch match = refined(points, *start);
-  double shift_m = config_.search_shift_m;
+  double shift_m = shift_max_m;
   if (!is_in_range(match, *start, shift_m)) match = unmatched(points, guesses.front());
   if (match.score >= kScoreGood) return match;
-  match = searched(points, guesses.front(), shift_m, match);
+  match = searched(points, guesses.front(), shift_m, turn_max_rad, match);
   for (int i = 0; i < kWiderSearches && match.score < kScoreReliable; ++i) {
     shift_m *= 2.0;
-    const ScanMatch wider = searched(points, guesses.front(), shift_m, match);
+    const ScanMatch wider = searched(points, guesses.front(), shift_m, turn_max_rad, match);
     if (wider.score >= kScoreReliable) match = wider;
   }
   return match;
@@ -269,27 +296,10 @@ Eigen::Matrix3d unknown_motion() {
       .asDiagonal();
 }
 
-Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
-                           const Eigen::Vector3d& T_map_expected) {
-  const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
-  const geometry::Axes2 axes = geometry::axes_of(covariance.topLeftCorner<2, 2>());
-  // The rotation is always taken from the fit, because its prediction may be far off.
-  Eigen::Vector3d place = match.T_map_base;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double untold = axes.values(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
-    const Eigen::Vector2d direction = axes.directions.col(axis);
-    const bool has_slid = std::abs(apart.dot(direction)) > kUnknownShiftSd_m;
-    if (!has_slid || !(untold > kUntoldFraction)) continue;
-    place.head<2>() -= apart.dot(direction) * direction;
-  }
-  return place.allFinite() ? place : match.T_map_base;
-}
-
-Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
-                              const ScanMatch& match) {
-  const Eigen::Matrix3d nothing = unknown_motion();
+Eigen::Matrix3d information_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                               const ScanMatch& match) {
   const double weight = match.weight;
-  if (!(weight > 0.0) || !match.information.allFinite()) return nothing;
+  if (!(weight > 0.0) || !match.information.allFinite()) return Eigen::Matrix3d::Zero();
   Eigen::Matrix3d information = match.information;
   const geometry::Axes2 axes = geometry::axes_of(match.information.topLeftCorner<2, 2>());
   for (int axis = 0; axis < 2; ++axis) {
@@ -304,68 +314,135 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
     information = scale * information * scale;
   }
   const double floor_m2 = kResidualSd_m * kResidualSd_m;
-  const double variance_m2 = kCorrelatedPoints * std::max(match.residual_variance_m2, floor_m2);
-  const Eigen::Matrix3d total =
-      information / variance_m2 + Eigen::Matrix3d(nothing.diagonal().cwiseInverse().asDiagonal());
+  return information / (kCorrelatedPoints * std::max(match.residual_variance_m2, floor_m2));
+}
+
+Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                              const ScanMatch& match) {
+  const Eigen::Matrix3d nothing = unknown_motion();
+  const Eigen::Matrix3d total = information_of(matcher, points, match) +
+                                Eigen::Matrix3d(nothing.diagonal().cwiseInverse().asDiagonal());
   const Eigen::Matrix3d covariance = total.inverse();
   if (!covariance.allFinite()) return nothing;
   return 0.5 * (covariance + covariance.transpose());
 }
 
-ScanMotion::ScanMotion(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+ScanMotion::ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount,
                        const laser::BlindSector& blind)
-    : config_(config), mount_(mount), blind_(blind), map_(config_) {}
+    : config_(config.scan_motion),
+      wheels_sd_(config.slam.speed_scale_sd, config.slam.turn_scale_sd,
+                 config.slam.yaw_rate_bias_sd_radps),
+      wheels_(with_gap(config.slam)),
+      mount_(mount),
+      blind_(blind),
+      map_(config_) {
+  wheels_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
+}
+
+ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
+  Expected expected{last_motion_, unknown_motion()};
+  if (wheels_.started()) {
+    wheels_.advance_to(utime);
+    if (wheels_.time_since_motion_s() <= PoseConfig::kOdometryGapMax_s) {
+      const RelativeMotion& m = wheels_.motion();
+      const Eigen::Matrix3d lasting = m.calibration_jacobian * wheels_sd_.asDiagonal();
+      const Eigen::Matrix3d covariance =
+          surprise_ * (m.covariance + lasting * lasting.transpose() + least_motion());
+      expected.T_from_to = m.delta;
+      expected.is_measured =
+          (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();
+      if (expected.is_measured) expected.covariance = covariance;
+    }
+    wheels_.restart(OdometryCalibration::Zero());
+  }
+  return expected;
+}
+
+void ScanMotion::learn_surprise(double ratio) {
+  surprise_ += (std::min(ratio, kSurpriseGrowth * surprise_) - surprise_) / kSurpriseScans;
+  surprise_ = std::max(1.0, surprise_);
+}
+
+MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
+                                   const std::optional<Eigen::Vector3d>& predicted,
+                                   std::vector<SurfacePoint>& points) {
+  MeasuredMotion motion;
+  motion.utime_from = *utime_;
+  motion.utime_to = scan.utime;
+  motion.T_from_to = expected.T_from_to;
+  motion.covariance = expected.covariance;
+  std::vector<SurfacePoint> few = thinned(points, kThinning_m);
+  if (static_cast<int>(few.size()) < kPointsMin || map_.empty()) return motion;
+
+  const Eigen::Vector3d T_expected = compose(T_map_base_, expected.T_from_to);
+  std::vector<Eigen::Vector3d> guesses{T_expected};
+  double shift_max_m = config_.search_shift_m, turn_max_rad = geometry::kPi;
+  if (expected.is_measured) {
+    shift_max_m = std::min(
+        shift_max_m, kSearchSigmas * std::sqrt(expected.covariance.topLeftCorner<2, 2>().trace()));
+    turn_max_rad = std::min(geometry::kPi, kSearchSigmas * std::sqrt(expected.covariance(2, 2)));
+  } else {
+    Eigen::Vector3d straight_on = last_motion_;
+    straight_on.z() = 0.0;
+    guesses.push_back(compose(T_map_base_, last_motion_));
+    guesses.push_back(compose(T_map_base_, straight_on));
+    guesses.push_back(T_map_base_);
+    if (predicted) guesses.push_back(compose(T_map_base_, *predicted));
+  }
+  const ScanMatcher matcher(map_);
+  ScanMatch match = matcher.match(few, guesses, shift_max_m, turn_max_rad);
+  if (config_.deskew && scan.beam_period_us > 0.0 && velocity_known_) {
+    velocity_ = between(T_map_base_, match.T_map_base) / timing::seconds(scan.utime - *utime_);
+    points = surface_points(scan, mount_, blind_, velocity_, config_);
+    few = thinned(points, kThinning_m);
+    match = matcher.match(few, {match.T_map_base}, shift_max_m, turn_max_rad);
+  }
+  motion.matched = match.matched;
+
+  // In the axes of map, about the robot.
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(T_map_base_.z());
+  const Eigen::Matrix3d told = information_of(matcher, few, match);
+  Eigen::Matrix3d known = R * expected.covariance.inverse() * R.transpose();
+  Eigen::Matrix3d P = (told + known).inverse();
+  Eigen::Vector3d apart = match.T_map_base - T_expected;
+  apart.z() = geometry::wrap_angle_rad(apart.z());
+  if (!P.allFinite() || !apart.allFinite()) return motion;
+  bool is_contradicted = false;
+  if (expected.is_measured) {
+    const double distance2 = apart.dot((known - known * P * known) * apart);
+    learn_surprise(surprise_ * distance2 / 3.0);
+    is_contradicted = distance2 > kContradictionMax;
+  }
+  if (is_contradicted) {  // slipping wheels, most likely; but the fit may be wrong as well
+    known = unknown_motion().inverse();
+    P = (told + known).inverse();
+  }
+  motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
+  if (is_contradicted) P += apart * apart.transpose();
+  motion.covariance = R.transpose() * P * R;
+  motion.covariance = 0.5 * (motion.covariance + motion.covariance.transpose()).eval();
+  motion.reliable = match.score >= kScoreReliable && is_sure(motion.covariance) && !is_contradicted;
+  return motion;
+}
 
 std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
                                               const std::optional<Eigen::Vector3d>& predicted) {
   if (utime_ && scan.utime <= *utime_) return std::nullopt;
+  const Expected expected = expected_at(scan.utime);
   std::vector<SurfacePoint> points = surface_points(scan, mount_, blind_, velocity_, config_);
   if (!utime_) {
     utime_ = scan.utime;
     remember(points);
     return std::nullopt;
   }
-
-  MeasuredMotion motion;
-  motion.utime_from = *utime_;
-  motion.utime_to = scan.utime;
-  motion.covariance = unknown_motion();
-  std::vector<SurfacePoint> few = thinned(points, kThinning_m);
-  const double period_s = 1e-6 * static_cast<double>(scan.utime - *utime_);
-  const bool is_swept = config_.deskew && scan.beam_period_us > 0.0;
-  Eigen::Vector3d straight_on = last_motion_;
-  straight_on.z() = 0.0;
-  std::vector<Eigen::Vector3d> guesses{compose(T_map_base_, last_motion_),
-                                       compose(T_map_base_, straight_on), T_map_base_};
-  if (predicted) guesses.push_back(compose(T_map_base_, *predicted));
-  Eigen::Vector3d T_map_base = guesses.front();
-  const bool comparable = static_cast<int>(few.size()) >= kPointsMin && !map_.empty();
-  if (comparable) {
-    const ScanMatcher matcher(map_, config_);
-    ScanMatch match = matcher.match(few, guesses);
-    if (is_swept && velocity_known_) {
-      velocity_ = between(T_map_base_, match.T_map_base) / period_s;
-      points = surface_points(scan, mount_, blind_, velocity_, config_);
-      few = thinned(points, kThinning_m);
-      match = matcher.match(few, {match.T_map_base});
-    }
-    motion.matched = match.matched;
-    const Eigen::Matrix3d P_map = covariance_of(matcher, few, match);
-    T_map_base = remap_pose(match, P_map, guesses.front());
-    // Rotate the covariance from map into the axes of base at the previous scan.
-    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    R.topLeftCorner<2, 2>() = rotation(-T_map_base_.z());
-    motion.covariance = R * P_map * R.transpose();
-    motion.reliable = match.score >= kScoreReliable && is_sure(motion.covariance);
-  }
-  motion.T_from_to = between(T_map_base_, T_map_base);
-
+  const MeasuredMotion motion = matched(scan, expected, predicted, points);
   travel_m_ += motion.T_from_to.head<2>().norm();
   last_motion_ = motion.T_from_to;
-  velocity_ = motion.T_from_to / period_s;
-  T_map_base_ = T_map_base;
+  velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
+  T_map_base_ = compose(T_map_base_, motion.T_from_to);
   utime_ = scan.utime;
-  if (is_swept && !velocity_known_) {
+  if (config_.deskew && scan.beam_period_us > 0.0 && !velocity_known_) {
     // The first scan was not deskewed because the velocity was unknown: restart the map.
     map_.clear();
     points = surface_points(scan, mount_, blind_, velocity_, config_);
@@ -387,6 +464,7 @@ void ScanMotion::remember(const std::vector<SurfacePoint>& points) {
 }
 
 void ScanOdometry::add(const Measurement& measurement) {
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) motion_.add(*odometry);
   const auto* scan = std::get_if<laser::Scan>(&measurement);
   if (!scan) return;
   const std::optional<MeasuredMotion> motion = motion_.add(*scan);

@@ -10,6 +10,7 @@
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "pose/localiser.hpp"
+#include "pose/motion.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/point_map.hpp"
 #include "pose/tuning.hpp"
@@ -38,11 +39,13 @@ struct ScanMatch {
 /// predicted pose is kept.
 class ScanMatcher {
  public:
-  ScanMatcher(const PointMap& map, const ScanMotionConfig& config) : map_(map), config_(config) {}
+  explicit ScanMatcher(const PointMap& map) : map_(map) {}
 
   /// Registers the points, starting from the best of the guesses of T_map_base (at least one).
+  /// `turn_max_rad`: how far from the first guess a better fit may be searched for.
   ScanMatch match(const std::vector<SurfacePoint>& points,
-                  const std::vector<Eigen::Vector3d>& guesses) const;
+                  const std::vector<Eigen::Vector3d>& guesses, double shift_max_m,
+                  double turn_max_rad) const;
 
   /// Registers the points from one guess by ICP, without a search.
   ScanMatch refined(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& guess) const;
@@ -56,32 +59,29 @@ class ScanMatcher {
   void iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
                ScanMatch& match) const;
   ScanMatch searched(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& centre,
-                     double shift_m, const ScanMatch& found) const;
+                     double shift_m, double turn_rad, const ScanMatch& found) const;
 
   /// A pose that the points do not determine.
   ScanMatch unmatched(const std::vector<SurfacePoint>& points,
                       const Eigen::Vector3d& T_map_base) const;
   const PointMap& map_;
-  const ScanMotionConfig& config_;
 };
 
-/// Returns the covariance of a fit: of (x, y) in map and the rotation about the robot.
+/// Returns the information of a fit on (x, y) in map and the rotation about the robot.
 ///
-/// It is computed from the information of the pairs and their residuals. Along each axis the
-/// information is limited to the actual loss of fit when the scan is shifted, because in a dense
-/// map every point finds a partner nearby, also along a hedge. Undetermined directions keep the
-/// covariance of unknown_motion().
-Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
-                              const ScanMatch& match);
-
-/// Returns the pose of a fit, with the predicted position in directions that the scan does not
-/// determine, if the fit has slid along them, e.g. along a hedge (solution remapping: Zhang, Kaess,
-/// Singh 2016).
-Eigen::Vector3d remap_pose(const ScanMatch& match, const Eigen::Matrix3d& covariance,
-                           const Eigen::Vector3d& T_map_expected);
+/// It is computed from the pairs and their residuals. Along each axis it is limited to the actual
+/// loss of fit when the scan is shifted, because in a dense map every point finds a partner nearby,
+/// also along a hedge.
+Eigen::Matrix3d information_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                               const ScanMatch& match);
 
 /// Returns the covariance of a motion that is only predicted.
 Eigen::Matrix3d unknown_motion();
+
+/// Returns the covariance of a fit where nothing else is known: undetermined directions keep that
+/// of unknown_motion().
+Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                              const ScanMatch& match);
 
 /// Motion of base between two scans.
 struct MeasuredMotion {
@@ -93,16 +93,21 @@ struct MeasuredMotion {
   bool reliable = false;  ///< false: the motion is a prediction or a guess
 };
 
-/// Estimates the motion of base from scans alone, by registering each scan to a local map of the
-/// previous ones.
+/// Estimates the motion of base from scans, by registering each scan to a local map of the previous
+/// ones, and from wheels where there are any.
 ///
-/// The prediction repeats the last motion per scan, not per second, because time stamps of
-/// recordings may be stretched. Directions that the scans do not determine (along a smooth wall,
-/// with too few returns) get a large covariance. A pure function of the sequence of scans.
+/// The motion is the most probable one given what the scan tells and what was expected: what the
+/// wheels measured, with their noise and the prior of their calibration; without them, the last
+/// motion once more, per scan and not per second, because time stamps of recordings may be
+/// stretched. So directions that scans do not determine (along a smooth wall, with too few returns)
+/// are the wheels', or have a large covariance. A pure function of the sequence of measurements.
 class ScanMotion {
  public:
-  ScanMotion(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+  ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount,
              const laser::BlindSector& blind);
+
+  /// Takes what the wheels measured, in order of time with the scans.
+  void add(const Odometry& odometry) { wheels_.add(odometry); }
 
   /// Returns the motion since the previous scan. None for the first scan, and for a scan that is
   /// not later than the previous one, which is ignored. All numbers are finite. `predicted`:
@@ -111,9 +116,24 @@ class ScanMotion {
                                     const std::optional<Eigen::Vector3d>& predicted = {});
 
  private:
+  /// What is expected of a motion before the scan is looked at, in the axes of base before it.
+  struct Expected {
+    Eigen::Vector3d T_from_to;
+    Eigen::Matrix3d covariance;
+    bool is_measured = false;  ///< by the wheels
+  };
+  Expected expected_at(std::int64_t utime);
+  void learn_surprise(double ratio);
+  /// `points`: of the scan, corrected for its motion by what is known before and after.
+  MeasuredMotion matched(const laser::Scan& scan, const Expected& expected,
+                         const std::optional<Eigen::Vector3d>& predicted,
+                         std::vector<SurfacePoint>& points);
   void remember(const std::vector<SurfacePoint>& points);
 
   ScanMotionConfig config_;
+  Eigen::Vector3d wheels_sd_;  ///< prior of speed scale, turn scale, yaw rate bias
+  DeadReckoning wheels_;       ///< motion since the previous scan
+  double surprise_ = 9.0;      ///< variance of the wheels' errors over what they state, learnt
   laser::LaserConfig mount_;
   laser::BlindSector blind_;
   PointMap map_;
@@ -129,11 +149,11 @@ class ScanMotion {
 /// from the map's origin at the first scan.
 class ScanOdometry : public Localiser {
  public:
-  ScanOdometry(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+  ScanOdometry(const PoseConfig& config, const laser::LaserConfig& mount,
                const laser::BlindSector& blind)
       : motion_(config, mount, blind) {}
 
-  /// Takes scans; other measurements are ignored.
+  /// Takes scans and odometry; other measurements are ignored.
   void add(const Measurement& measurement) override;
 
   /// Returns the pose at the first beam of the last scan.

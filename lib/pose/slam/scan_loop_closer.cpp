@@ -439,7 +439,7 @@ std::optional<RelativePose> ScanLoopCloser::verified(const SlamMap& map,
     if (apart_m <= kStretch_m) stretch.push_back(k);
   }
   refill(map, stretch);
-  const ScanMatcher matcher(points_, config_);
+  const ScanMatcher matcher(points_);
   const ScanMatch match = matcher.refined(points, T_map_base);
   const Eigen::Vector3d off = between(T_map_base, match.T_map_base);
   if (off.head<2>().norm() > kFitShift_m || std::abs(off.z()) > kFitTurn_rad ||

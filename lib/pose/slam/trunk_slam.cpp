@@ -55,13 +55,16 @@ TrunkSlam::TrunkSlam(const PoseConfig& config, const laser::LaserConfig& mount,
       tracker_(config_),
       closer_(config_),
       scan_loop_closer_(config.scan_motion, mount, std::move(memory)) {
-  if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
+  if (reads_scans(config)) scan_motion_.emplace(config, mount, blind);
   motion_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
 }
 
 void TrunkSlam::add(const Measurement& measurement) {
   if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
-    if (scan_motion_) return;
+    if (scan_motion_) {
+      scan_motion_->add(*odometry);
+      return;
+    }
     motion_.add(*odometry);
     add_blind_keyframe();
   } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {

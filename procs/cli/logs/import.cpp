@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/logs/logs.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cinttypes>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "bus/bot_core/bot_core_driver.hpp"
 #include "bus/messages/codec.hpp"
@@ -41,6 +43,36 @@ struct Imported {
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
   std::int64_t num_all = 0;
+  std::int64_t num_repeated = 0;  ///< scans that were left out
+};
+
+/// derived: returns of which at most a third agree by chance, in steps as coarse as their noise:
+/// all of so many never do.
+constexpr std::ptrdiff_t kReturnsMin = 20;
+
+/// Finds scans that a recorder wrote again: no two measurements agree to the last digit of every
+/// beam, and when such a scan was measured is not known.
+class RepeatedScans {
+ public:
+  /// True for a scan that equals the one before it; numbers the others on.
+  bool contains(bus::Message& message) {
+    auto* scan = std::get_if<laser::Scan>(&message);
+    if (scan == nullptr) return false;
+    const auto num_returns =
+        std::count_if(scan->ranges_m.begin(), scan->ranges_m.end(), [scan](float range_m) {
+          return range_m > scan->range_min_m && range_m < scan->range_max_m;
+        });
+    const bool is_repeated = num_returns >= kReturnsMin && scan->ranges_m == last_ranges_m_;
+    if (is_repeated) ++num_;
+    scan->seq -= num_;
+    last_ranges_m_ = scan->ranges_m;
+    return is_repeated;
+  }
+  std::int32_t num() const { return num_; }
+
+ private:
+  std::vector<float> last_ranges_m_;
+  std::int32_t num_ = 0;
 };
 
 inline bus::Message as_message(io::SensorMessage sensed) {
@@ -55,7 +87,9 @@ Imported write_imported(const NextMessage& next, std::uint64_t num_all,
   InterruptibleWork work("importing messages");
   io::LogWriter writer(out_path);
   Imported imported;
-  while (const auto message = next()) {
+  RepeatedScans repeated;
+  while (auto message = next()) {
+    if (repeated.contains(*message)) continue;
     const bus::Channel channel = bus::channel_of(*message);
     const std::int64_t utime = bus::utime_of(*message);
     writer.write(utime, bus::info(channel).name, bus::encode(*message));
@@ -66,6 +100,7 @@ Imported write_imported(const NextMessage& next, std::uint64_t num_all,
   }
   work.finish();
   writer.close();
+  imported.num_repeated = repeated.num();
   return imported;
 }
 
@@ -77,6 +112,12 @@ void print_imported(const std::string& out_path, const Imported& imported) {
     if (num > 0) std::printf(" %" PRId64 " %s", num, std::string(channel.name).c_str());
   }
   std::printf("\n");
+  if (imported.num_repeated > 0) {
+    std::printf("left out: %" PRId64
+                " scans that repeat the scan before them in every beam; "
+                "when they were measured is not known\n",
+                imported.num_repeated);
+  }
 }
 
 /// Prints the ignored inputs and their numbers.

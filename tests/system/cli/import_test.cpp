@@ -52,6 +52,27 @@ TEST_F(ImportCommand, AFolderBecomesALog) {
   EXPECT_EQ(orchard({"log", "check", path("drive.lcm")}).exit_code, 0);
 }
 
+TEST_F(ImportCommand, ScansThatRepeatTheOneBeforeAreLeftOutAndCounted) {
+  std::string names = "utime_us", here, there, few;
+  for (int beam = 0; beam < 25; ++beam) {
+    names += ",r" + std::to_string(beam);
+    here += "," + std::to_string(1 + 0.1 * beam);
+    there += "," + std::to_string(1.1 + 0.1 * beam);
+    few += beam < 3 ? ",1" : ",0";
+  }
+  write_file(path("drive/sensors.yaml"),
+             "laser:\n  num_beams: 25\n  bearing_min_rad: -0.1\n  bearing_step_rad: 0.01\n"
+             "  range_min_m: 0.1\n  range_max_m: 5\n");
+  write_file(path("drive/scans.csv"), names + "\n1000000" + here + "\n1100000" + here +
+                                          "\n1200000" + there + "\n1300000" + few + "\n1400000" +
+                                          few + "\n1500000" + there + "\n1600000" + there + "\n");
+  const Result result = import();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("left out: 2 scans that repeat"));
+  EXPECT_EQ(num_messages(path("drive.lcm"), "SCAN"), 5);  // a few returns may agree by chance
+  EXPECT_EQ(orchard({"log", "check", path("drive.lcm")}).exit_code, 0);  // no gap in the numbers
+}
+
 TEST_F(ImportCommand, MistakesAreNamedAndNoLogIsLeft) {
   write_file(path("drive/scans.csv"), "utime_us,r0,r1,r2\n1000000,1,2,0\n1100000,1,two,3\n");
   const Result result = import();

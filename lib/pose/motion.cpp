@@ -138,8 +138,12 @@ void DeadReckoning::add(const Odometry& odometry) {
     velocity_covariance_[1] += speed_change_mps * yaw_rate_change_radps / 12.0;
     velocity_covariance_[2] += yaw_rate_change_radps * yaw_rate_change_radps / 12.0;
   }
+  // The reading that follows the last one tells the whole time between, however long; after a lost
+  // one, most of that time was not measured.
+  if (measured_utime_ && odometry.seq == seq_ + 1) measured_utime_ = odometry.utime;
   drive_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
   measured_utime_ = odometry.utime;
+  seq_ = odometry.seq;
   speed_mps_ = odometry.speed_mps;
   yaw_rate_radps_ = odometry.yaw_rate_radps;
 }

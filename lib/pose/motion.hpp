@@ -97,6 +97,7 @@ class DeadReckoning {
   std::optional<std::int64_t> utime_;
   std::optional<std::int64_t> started_utime_;
   std::optional<std::int64_t> measured_utime_;
+  std::int32_t seq_ = 0;  ///< of the newest reading
   RelativeMotion motion_;
   double speed_mps_ = 0.0;
   double yaw_rate_radps_ = 0.0;

@@ -126,12 +126,6 @@ bool is_sure(const Eigen::Matrix3d& covariance) {
          covariance(2, 2) <= kReliableTurnSd_rad * kReliableTurnSd_rad;
 }
 
-/// Readings as far apart as PoseConfig::kOdometryGapMax_s still tell the motion between them.
-SlamConfig with_gap(SlamConfig config) {
-  config.gap_s = PoseConfig::kOdometryGapMax_s;
-  return config;
-}
-
 }  // namespace
 
 double ScanMatcher::score(const std::vector<SurfacePoint>& points,
@@ -332,7 +326,7 @@ ScanMotion::ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount
     : config_(config.scan_motion),
       wheels_sd_(config.slam.speed_scale_sd, config.slam.turn_scale_sd,
                  config.slam.yaw_rate_bias_sd_radps),
-      wheels_(with_gap(config.slam)),
+      wheels_(config.slam),
       mount_(mount),
       blind_(blind),
       map_(config_) {
@@ -414,11 +408,12 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
     learn_surprise(surprise_ * distance2 / 3.0);
     is_contradicted = distance2 > kContradictionMax;
   }
-  if (is_contradicted) {  // slipping wheels, most likely; but the fit may be wrong as well
-    known = unknown_motion().inverse();
-    P = (told + known).inverse();
+  // A good fit tells that the wheels slip; a poor one that contradicts them is none.
+  if (is_contradicted) known = unknown_motion().inverse();
+  P = (told + known).inverse();
+  if (!is_contradicted || match.score >= kScoreGood) {
+    motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
   }
-  motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
   if (is_contradicted) P += apart * apart.transpose();
   motion.covariance = R.transpose() * P * R;
   motion.covariance = 0.5 * (motion.covariance + motion.covariance.transpose()).eval();

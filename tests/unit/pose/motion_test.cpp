@@ -96,6 +96,20 @@ TEST(DeadReckoning, ASilenceGoesOnAtTheLastVelocityEverLessSurely) {
   EXPECT_GT(std::sqrt(last), 1.0);  // half a metre per second and second, independent seconds
 }
 
+TEST(DeadReckoning, AReadingThatFollowsTellsAllTheTimeBetween) {
+  for (const bool is_lost : {false, true}) {  // the reading between
+    DeadReckoning reckoning{SlamConfig{}};
+    Odometry first = odometry(0.0, 1.0), next = odometry(4.0, 1.0);
+    first.seq = 7;
+    next.seq = is_lost ? 9 : 8;
+    reckoning.add(first);
+    reckoning.add(next);
+    EXPECT_NEAR(reckoning.motion().delta.x(), 4.0, 1e-9);
+    // 3 % of the speed, or half a metre per second and second
+    EXPECT_NEAR(std::sqrt(reckoning.motion().covariance(0, 0)), is_lost ? 1.0 : 0.12, 0.02);
+  }
+}
+
 TEST(DeadReckoning, TimeThatGoesBackAndNumbersThatAreNoneChangeNothing) {
   DeadReckoning reckoning{SlamConfig{}};
   reckoning.add(odometry(0.0, 1.0));

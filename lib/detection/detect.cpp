@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
+#include "detection/picture_width.hpp"
 #include "detection/probability.hpp"
 #include "detection/trunk_view.hpp"
 #include "geometry/pose2.hpp"
@@ -147,8 +148,10 @@ ColourVerdict judge_colour(const TrunkView& view, const vision::PixelBlock& pixe
   return {colour.passed, colour.roc};
 }
 
-/// Tests colour and, if it passes, edges. Fills the confidences of `d` and returns roc_vision.
-double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, const Rig& rig) {
+/// Tests colour and, if it passes, edges. Fills the confidences of `d` and, where the picture knows
+/// more of its width than the laser, that; returns roc_vision.
+double judge_by_vision(Detection& d, const Candidate& candidate, const TrunkView& view,
+                       Pixels& pixels, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
   const ColourVerdict colour = judge_colour(view, pixels.block, rig);
   d.roc_colour = static_cast<float>(colour.roc);
@@ -164,6 +167,11 @@ double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, cons
   d.roc_right_edge = static_cast<float>(right.roc);
   d.roc_parallel = static_cast<float>(parallel);
   d.roc_edges = static_cast<float>(edges);
+  if (const auto width =
+          picture_width(*pixels.edges, view, candidate.segment, candidate.angle_sd_rad, rig)) {
+    d.width_m = width->fused.width_m;
+    d.width_sd_m = width->fused.sd_m;
+  }
   return fuse_vision(colour.roc, edges, DetectorConfig::kColourWeight);
 }
 
@@ -218,6 +226,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser,
                                        DetectorConfig::kRocLaserMin);
   trunks.reserve(segments.size());
+  const double angle_sd_rad = config.width.sd_per_beam_step * std::abs(scan.bearing_step_rad);
   for (const laser::Segment& segment : segments) {
     const bool stands = stands_by_reflector(segment, scan, config);
     const double roc_laser = stands ? 1.0 : roc_of_width(segment, scan.bearing_step_rad, config);
@@ -239,10 +248,10 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
           static_cast<float>(fuse_tree(roc_laser, 0.0, DetectorConfig::kLaserWeight));
       if (reflector == ReflectorDecision::kNothing && !is_half_hidden(segment) &&
           camera_could_decide(trunks.back(), config)) {
-        findings.candidates.push_back({trunks.size() - 1, segment});
+        findings.candidates.push_back({trunks.size() - 1, segment, angle_sd_rad});
       }
     } else {
-      findings.candidates.push_back({trunks.size() - 1, segment});
+      findings.candidates.push_back({trunks.size() - 1, segment, angle_sd_rad});
     }
   }
   return findings;
@@ -286,8 +295,9 @@ DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* pic
   Pixels seen{std::move(*pixels), windows, std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;
-    Detection& d = trunks[findings.candidates[i].index];
-    const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
+    const Candidate& candidate = findings.candidates[i];
+    Detection& d = trunks[candidate.index];
+    const double roc_vision = judge_by_vision(d, candidate, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, DetectorConfig::kLaserWeight), rig);
   }

@@ -19,6 +19,7 @@ namespace orchard::detection {
 struct Candidate {
   std::size_t index = 0;  ///< into LaserFindings::detections.trunks
   laser::Segment segment;
+  double angle_sd_rad = 0.0;  ///< of the angle between its sides, by detector.width
 };
 
 /// Result of the laser's half of the detector: everything that does not need the image.

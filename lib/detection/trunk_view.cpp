@@ -112,7 +112,8 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
   const auto left_edge = window(*left, sizes.edge_width_m, sizes.edge_height_m, rig);
   const auto right_edge = window(*right, sizes.edge_width_m, sizes.edge_height_m, rig);
   if (!centre || !left_edge || !right_edge) return std::nullopt;
-  return TrunkView{*centre, *left_edge, *right_edge, left->pixel.x(), right->pixel.x()};
+  return TrunkView{*centre,         *left_edge,       *right_edge,
+                   left->pixel.x(), right->pixel.x(), middle->pixel.y()};
 }
 
 std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,

@@ -19,6 +19,7 @@ struct TrunkView {
   vision::PixelRect right_edge;
   double left_x_px = 0.0;  ///< columns of the edges expected by the laser
   double right_x_px = 0.0;
+  double row_px = 0.0;  ///< of the middle
 };
 
 /// The whole image of the rig's camera.

@@ -159,7 +159,7 @@ void describe(Visitor& v, WidthConfig& c) {
            "trunks` or a calliper");
   v.number("sd_m", c.sd_m, 0, 2, "m",
            "standard deviation of trunk widths (sigma of eq. 9); from `orchard calibrate trunks`");
-  v.expert().number("sd_per_beam_step", c.sd_per_beam_step, 0, 5, "1",
+  v.expert().number("sd_per_beam_step", c.sd_per_beam_step, 0, 20, "1",
                     "growth of the standard deviation with range, in units of range x beam step");
 }
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The experiments' own work: trial(lab, seeds) returns a figure for each row of its name in catalogue.py."""
+import gzip
 import json
 import math
 import os
@@ -170,6 +171,100 @@ def photographs(lab, seeds):
 
     evs = lab.each((0, -2, -1, 1, 2), area)
     return {"area": f"{evs[0]:.3f}", "exposures": span(evs[1:])}
+
+
+APPLE_RIG = """# a depth camera as a laser: noise of z^2 x 0.08 px / (19.5 px m) by the data sheet, at a metre
+laser:
+  range_sd_m: 0.001
+  range_sd_fraction: 0.004
+camera:
+  width_px: 640
+  height_px: 480
+  fc_px: [625, 625]
+  cc_px: [320, 240]
+detector:
+  segmentation:
+    min_beams: 4
+    range_max_m: 3
+"""
+
+
+def apple_trunks(lab, seeds):
+    data = lab.data / "apple_trunks"
+    if not data.is_dir():
+        raise Failed(f"there are no pictures in {data}")
+    calipers = [[float(c) for c in line.split(",")[1:4]] for line in (data / "row_96_diameters.csv").read_text().splitlines()[1:]]
+    true_m = {f"{i:03}": 1e-3 * mean(c) for i, c in enumerate(calipers, 1) if i > 1}  # the first has its neighbour's line
+    taught = {f"{i:03}" for i in range(5, 101, 5)}
+
+    def make(folder):
+        (folder / "images").mkdir()
+        for picture in (data / "images").iterdir():
+            (folder / "images" / picture.name[-7:]).symlink_to(picture)
+        with gzip.open(data / "depth_rows.csv.gz", "rt") as rows:
+            (folder / "rows.csv").write_text(rows.read().replace("row96_", ""))
+    folder = lab.made("apples", {"data": str(data), "pictures": 1}, make)
+    masks = lab.out / "apple_masks"
+    masks.mkdir(exist_ok=True)
+
+    def looks(rig, *options):
+        found = lab.lines("apple_trunks", folder / "rows.csv", folder / "images", lab.rig_file(rig), *options)
+        return [{**look, "true_m": true_m[look["picture"]]} for look in found if look["picture"] in true_m]
+
+    def errors(found, key, of_taught):
+        """Of each tree, the median over its scans; and of each scan."""
+        ratios = {}
+        for look in found:
+            if (look["picture"] in taught) == of_taught and look[key] > 0:
+                ratios.setdefault(look["picture"], []).append(look[key] / look["true_m"] - 1)
+        return [median(r) for r in ratios.values()], [e for r in ratios.values() for e in r]
+
+    # the widths of trees and what a single one scatters, from those that teach
+    widths = [true_m[i] for i in taught]
+    sd_m = math.sqrt(sum((w - mean(widths)) ** 2 for w in widths) / (len(widths) - 1))
+    rig = overlay(APPLE_RIG, {"detector.width.mean_m": f"{mean(widths):.4f}", "detector.width.sd_m": f"{sd_m:.4f}"})
+    first = [look for look in looks(rig) if look["picture"] in taught]
+    scale = median(look["laser_m"] / look["true_m"] for look in first)
+    off = [abs(look["laser_m"] - scale * look["true_m"]) * 0.4 / look["laser_sd_m"] for look in first]
+    rig = overlay(rig, {"detector.width.sd_per_beam_step": f"{1.4826 * median(off):.2f}"})
+    by_sheet = looks(rig, masks)
+    focal_px = 625 * (1 + median(errors(by_sheet, "fused_m", True)[0]))
+    learnt = overlay(rig, {"camera.fc_px": f"[{focal_px:.1f}, {focal_px:.1f}]"})
+    by_trees = looks(learnt)
+
+    def told(found, key):
+        trees, scans = errors(found, key, False)
+        return f"{100 * median(map(abs, trees)):.1f}, {100 * median(trees):+.1f}, {100 * median(map(abs, scans)):.1f} %"
+
+    def sure(found, key):
+        return sum(abs(look[key + "_m"] - look["true_m"]) < 2 * look[key + "_sd_m"] for look in found) / len(found)
+
+    # appearance, learnt from the same trees, or from the first twenty
+    def model(numbers):
+        path = lab.out / "apple.yaml"
+        lab.orchard("calibrate", "trunks", "--images", folder / "images", "--masks", masks, "--only", numbers, "--config",
+                    lab.rig_file(learnt), "--out", path)
+        return path
+
+    def area(path, numbers):
+        return json.loads(lab.run("evaluate_windows", "--images", folder / "images", "--masks", masks, "--model", path, "--only",
+                                  numbers))["auc"]
+
+    first_twenty = area(model("1-20"), "21-100")
+    path = model(",".join(sorted(taught)))
+    others = ",".join(sorted({f"{i:03}" for i in range(1, 101)} - taught))
+    seen = [look for look in looks(path.read_text()) if look["picture"] not in taught]
+    trees = {look["picture"] for look in seen if look["tree"]}
+    judged = [look for look in by_trees if look["picture"] not in taught and look["picture_m"] > 0]
+    return {
+        "by_sheet": "; ".join(told(by_sheet, key) for key in ("laser_m", "picture_m", "fused_m")),
+        "by_trees": "; ".join(told(by_trees, key) for key in ("laser_m", "picture_m", "fused_m")) + f" (f {focal_px:.0f} px)",
+        "within": ", ".join(f"{100 * sure(judged, key):.0f} %" for key in ("laser", "picture", "fused")),
+        "area": f"{area(path, others):.3f}",
+        "first": f"{first_twenty:.3f}",
+        "detector": f"{len(trees)} of {len({look['picture'] for look in seen})}, "
+                    + told([look for look in seen if look["tree"]], "width_m"),
+    }
 
 
 # laser

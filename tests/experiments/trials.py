@@ -255,7 +255,7 @@ def apple_trunks(lab, seeds):
     others = ",".join(sorted({f"{i:03}" for i in range(1, 101)} - taught))
     seen = [look for look in looks(path.read_text()) if look["picture"] not in taught]
     trees = {look["picture"] for look in seen if look["tree"]}
-    judged = [look for look in by_trees if look["picture"] not in taught and look["picture_m"] > 0]
+    judged = [look for look in seen if look["tree"] and look["picture_m"] > 0]
     return {
         "by_sheet": "; ".join(told(by_sheet, key) for key in ("laser_m", "picture_m", "fused_m")),
         "by_trees": "; ".join(told(by_trees, key) for key in ("laser_m", "picture_m", "fused_m")) + f" (f {focal_px:.0f} px)",

@@ -31,7 +31,7 @@ SECTIONS = [  # heading, what is said below it
      "mean confidence of 0.870 over its trees, 0.461 for the tube of another colour, and standard errors of 6.05 and 7.24 mm."),
     ("Detection", "The hard orchard (`config/orchard_hard.yaml`) is simulated with clutter, people, sun, shadows and drifting light. Objects "
      "within 4 m; [what counts as right, wrong and missed](experiments/detections/README.md#what-counts)."),
-    ("Camera", "Photographs of a real cherry orchard, not part of the repository: learnt from 000-019 (six trees), judged on 020-119."),
+    ("Camera", "Pictures of real orchards, not part of the repository. Cherries: learnt from 000-019 (six trees), judged on 020-119."),
     ("Laser", ""),
     ("Touching objects", ""),
     ("Calibration", ""),
@@ -93,7 +93,7 @@ EXPERIMENTS = {
     ]),
     "learn_orchard": Experiment("Detection", seeds=(1001, 1012), trial=trials.learn_orchard, rows=[]),
     "photographs": Experiment("Camera", trial=trials.photographs, rows=[
-        Row("area exposures", "area under the ROC curve; the same at -2, -1, +1, +2 EV", "0.97; 0.975",
+        Row("area exposures", "cherries: area under the ROC curve; the same at -2, -1, +1, +2 EV", "0.97; 0.975",
             "000-019; one rule changed after 020-118 had been seen / 020-119",
             "The paper's hue interval reaches 0.515, one learnt from the same pictures 0.347."),
     ]),

@@ -52,10 +52,9 @@ vision::EdgeMap edges_of(const TrunkView& view, const Rig& rig, int inside, int 
   const auto exact = *sides_of(trunk(0.0), rig);
   vision::PixelBlock block{windows_area(view, rig), {}};
   const int across = block.area.width_px / kPatch_px + 1;
-  std::vector<int> patches;
-  for (int i = 0; i < across * (block.area.height_px / kPatch_px + 1); ++i) {
-    patches.push_back(static_cast<int>(100.0 * (uniform(engine) - 0.5)));
-  }
+  std::vector<int> patches(
+      static_cast<std::size_t>(across * (block.area.height_px / kPatch_px + 1)));
+  for (int& patch : patches) patch = static_cast<int>(100.0 * (uniform(engine) - 0.5));
   for (int y = 0; y < block.area.height_px; ++y) {
     const double aside_px = std::tan(lean_rad) * (block.area.y_px + y - exact.row_px);
     for (int x = 0; x < block.area.width_px; ++x) {

@@ -36,6 +36,8 @@ constexpr double kTiltFine_deg = 0.8;
 /// some thousands are asked.
 constexpr double kBetter_sigma = 5.0;
 constexpr std::size_t kSidesMin = 40;
+/// derived: pictures before the first answer: a quarter of a minute.
+constexpr std::size_t kFirstJudgement = 15;
 /// derived: with these the right camera stands out by tens of standard deviations; more only cost.
 constexpr std::size_t kSidesMax = 300;
 // physical: a camera calibrated once is within these; beyond them trunks are taken for others'.
@@ -87,7 +89,17 @@ double slope_at(const Eigen::Vector2d& pixel, const Rig& rig) {
   return std::abs(down) < 1e-3 ? 0.0 : fc_px[0] / fc_px[1] * (up.x() - n.x() * up.z()) / down;
 }
 
+/// The middle half of the picture, in bands of equal height; empty if it is too low for them.
+vision::PixelRect bands_area(const Rig& rig) {
+  const vision::PixelRect whole = picture_of(rig);
+  return {0, whole.height_px / 4, whole.width_px, kBands * (whole.height_px / (2 * kBands))};
+}
+
 }  // namespace
+
+vision::PixelRect sight_area(const Rig& rig) {
+  return vision::edge_reading_area(bands_area(rig), picture_of(rig));
+}
 
 std::optional<CameraSight> camera_sight(const LaserFindings& findings,
                                         vision::PictureReader& picture, const Rig& rig,
@@ -116,10 +128,10 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
     }
   }
   if (sight.sides.empty()) return std::nullopt;
-  const int band_rows = whole.height_px / (2 * kBands);
-  const vision::PixelRect middle{0, whole.height_px / 4, whole.width_px, kBands * band_rows};
+  const vision::PixelRect middle = bands_area(rig);
+  const int band_rows = middle.height_px / kBands;
   if (band_rows < 1) return std::nullopt;
-  const auto pixels = picture.read(vision::edge_reading_area(middle, whole));
+  const auto pixels = picture.read(sight_area(rig));
   if (!pixels) return std::nullopt;
   const vision::EdgeMap map = vision::edge_map(*pixels, middle, rig.detector.edges);
   for (int band = 0; band < kBands; ++band) {
@@ -186,10 +198,13 @@ std::size_t CameraCheck::stride() const { return num_sides_ / kSidesMax + 1; }
 void CameraCheck::add(CameraSight sight) {
   num_sides_ += sight.sides.size();
   sights_.push_back(std::move(sight));
-  if (sights_.size() >= next_judgement_) {
-    judge();
-    next_judgement_ *= 2;
-  }
+}
+
+const std::vector<Finding>& CameraCheck::findings() const {
+  const std::size_t enough =
+      is_finished_ ? num_judged_ + 1 : std::max(kFirstJudgement, 2 * num_judged_);
+  if (sights_.size() >= enough) judge();
+  return findings_;
 }
 
 /// The best camera of those that are zoomed, delayed and shifted by at most so many steps.
@@ -208,8 +223,9 @@ CameraCheck::Fit CameraCheck::best_of(double sign, int num_zooms, int num_delays
   return best;
 }
 
-void CameraCheck::judge() {
+void CameraCheck::judge() const {
   findings_.clear();
+  num_judged_ = sights_.size();
   if (num_sides_ < kSidesMin) return;
   const double focal_px = rig_.camera.intrinsics().fc_px[0];
   const auto steps = [focal_px](double angle_deg) {
@@ -230,7 +246,7 @@ void CameraCheck::judge() {
   if (findings_.empty()) judge_tilt();
 }
 
-void CameraCheck::name(const Camera& best) {
+void CameraCheck::name(const Camera& best) const {
   const double focal_px = rig_.camera.intrinsics().fc_px[0];
   const std::string by = fmt::format(" (edges of {} pictures against the scans)", sights_.size());
   const double yaw_deg = std::atan(best.shift_px / focal_px) * 180.0 / geometry::kPi;
@@ -262,7 +278,7 @@ void CameraCheck::name(const Camera& best) {
   }
 }
 
-void CameraCheck::judge_tilt() {
+void CameraCheck::judge_tilt() const {
   const double shift_max_px =
       rig_.camera.intrinsics().fc_px[0] * std::tan(radians(kYawTolerance_deg));
   const int num_shifts = static_cast<int>(shift_max_px / kShiftStep_px);

@@ -28,6 +28,9 @@ struct CameraSight {
   std::vector<Side> sides;
 };
 
+/// The area of the picture that camera_sight() reads.
+vision::PixelRect sight_area(const Rig& rig);
+
 /// The edges and sides of a picture; none without an object in view, or if the picture does not
 /// decode.
 std::optional<CameraSight> camera_sight(const LaserFindings& findings,
@@ -46,10 +49,11 @@ class CameraCheck {
   static constexpr int kPicturesMax = 60;
 
   void add(CameraSight sight);
-  /// What was found in the pictures so far; judged anew after a doubling of them, and at the end.
-  const std::vector<Finding>& findings() const { return findings_; }
-  /// Judges what there is.
-  void finish() { judge(); }
+  /// What was found in the pictures so far. They are judged when this is called: anew after a
+  /// doubling of them, and at the end.
+  const std::vector<Finding>& findings() const;
+  /// Ends the input.
+  void finish() { is_finished_ = true; }
 
  private:
   struct Camera;
@@ -58,15 +62,16 @@ class CameraCheck {
   double score(const Camera& camera, const Tilt& tilt) const;
   std::size_t stride() const;
   Fit best_of(double sign, int num_zooms, int num_delays, int num_shifts) const;
-  void judge();
-  void name(const Camera& best);
-  void judge_tilt();
+  void judge() const;
+  void name(const Camera& best) const;
+  void judge_tilt() const;
 
   const Rig& rig_;
   std::vector<CameraSight> sights_;
   std::size_t num_sides_ = 0;
-  std::size_t next_judgement_ = 15;
-  std::vector<Finding> findings_;
+  bool is_finished_ = false;
+  mutable std::size_t num_judged_ = 0;  ///< pictures behind findings_
+  mutable std::vector<Finding> findings_;
 };
 
 }  // namespace orchard::detection

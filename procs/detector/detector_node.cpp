@@ -147,15 +147,18 @@ JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanIm
   JudgedPair judged;
   std::optional<vision::PictureReader> picture;
   if (pair.image) picture.emplace(*pair.image);
-  if (picture && questions.sight) {
-    judged.sight = detection::camera_sight(findings, *picture, rig, pair.motion);
-  }
+  // find_candidate_edges() also announces what judge_by_camera() reads, so the picture is decoded
+  // once for all three.
+  if (picture && questions.sight) picture->expect(detection::sight_area(rig));
   if (picture && questions.edge_reach_px) {
     judged.edge_offsets_px.emplace();
     for (const auto& seen : detection::find_candidate_edges(findings, *picture, rig, pair.motion,
                                                             *questions.edge_reach_px)) {
       judged.edge_offsets_px->push_back(seen.offsets.front().middle_px());
     }
+  }
+  if (picture && questions.sight) {
+    judged.sight = detection::camera_sight(findings, *picture, rig, pair.motion);
   }
   judged.result = detection::judge_by_camera(std::move(findings), picture ? &*picture : nullptr,
                                              rig, pair.motion);

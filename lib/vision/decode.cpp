@@ -48,11 +48,12 @@ void orchard_jpeg_progress(j_common_ptr info) {
 
 }  // extern "C"
 
-/// Decodes `region` to `out`, which has room for its pixels. `row` is a buffer for one image row.
-/// Returns false when the bytes cannot be decoded. Local objects must be trivial, because errors
-/// leave by longjmp.
+/// Appends the pixels of `region` to `out`, which has room for them. `row` is a buffer for one
+/// image row. Returns false when the bytes cannot be decoded. Local objects must be trivial,
+/// because errors leave by longjmp.
 bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int width_px,
-                 int height_px, const PixelRect& region, std::uint8_t* row, std::uint8_t* out) {
+                 int height_px, const PixelRect& region, std::uint8_t* row,
+                 std::vector<std::uint8_t>& out) {
   std::memset(&codec, 0, sizeof codec);
   jpeg_decompress_struct& info = codec.info;
   info.err = jpeg_std_error(&codec.error);
@@ -96,7 +97,7 @@ bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int w
       return false;
     }
     if (y_px < region.y_px) continue;
-    std::memcpy(out + row_bytes * static_cast<std::size_t>(y_px - region.y_px), first, row_bytes);
+    out.insert(out.end(), first, first + row_bytes);
   }
   jpeg_destroy_decompress(&info);
   return true;
@@ -110,11 +111,11 @@ std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size
   if (size == 0 || region.empty() || !picture.contains(region)) return std::nullopt;
   PixelBlock block;
   block.area = region;
-  block.bgr.resize(3u * static_cast<std::size_t>(region.width_px) *
-                   static_cast<std::size_t>(region.height_px));
+  block.bgr.reserve(3u * static_cast<std::size_t>(region.width_px) *
+                    static_cast<std::size_t>(region.height_px));
   std::vector<std::uint8_t> row(3u * static_cast<std::size_t>(width_px));
   Codec codec;
-  if (!read_region(codec, data, size, width_px, height_px, region, row.data(), block.bgr.data())) {
+  if (!read_region(codec, data, size, width_px, height_px, region, row.data(), block.bgr)) {
     return std::nullopt;
   }
   return block;

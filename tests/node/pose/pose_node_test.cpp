@@ -16,6 +16,7 @@
 #include "pose/motion.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 #include "unit/pose/scan_matching/cast_world.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -248,14 +249,9 @@ class PriorMapNode : public testing::Test {
                  int num_observations = 50) {
     std::vector<mapping::Landmark> landmarks;
     for (const pose::PriorLandmark& tree : trees) {
-      mapping::Landmark l;
-      l.id = static_cast<std::int32_t>(landmarks.size() + 1);
-      l.label = detection::Label::kTree;
-      l.num_observations = num_observations;
-      l.x_m = factor * tree.p_map.x();
-      l.y_m = factor * tree.p_map.y();
-      l.width_m = tree.width_m;
-      landmarks.push_back(l);
+      const Eigen::Vector2d p_map = factor * tree.p_map;
+      landmarks.push_back(test::tree(static_cast<std::int32_t>(landmarks.size() + 1), p_map.x(),
+                                     p_map.y(), tree.width_m, num_observations));
     }
     std::ofstream(config_.pose.prior_map.map_file) << io::map_csv(landmarks);
   }

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "worlds/landmark.hpp"
+
 namespace orchard::test {
 namespace {
 
@@ -28,12 +30,7 @@ std::vector<io::SensorMessage> trunk_seen(int num_scans) {
 }
 
 mapping::Landmark tree_at(double x_m, double y_m, int n = 20) {
-  mapping::Landmark l;
-  l.label = detection::Label::kTree;
-  l.x_m = x_m;
-  l.y_m = y_m;
-  l.num_observations = n;
-  return l;
+  return test::tree(0, x_m, y_m, 0.0, n);
 }
 
 TEST(ClearTrees, FindsATrunkSeenOftenEnough) {

@@ -11,6 +11,7 @@
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
 #include "unit/central_difference.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -327,12 +328,7 @@ using mapping::Candidate;
 using mapping::Landmark;
 
 Landmark landmark(Label label, double x_m, double y_m, double width_m) {
-  Landmark l;
-  l.label = label;
-  l.x_m = x_m;
-  l.y_m = y_m;
-  l.width_m = width_m;
-  l.num_observations = 25;
+  Landmark l = test::landmark(0, label, x_m, y_m, width_m, 25);
   l.se_x_m = l.se_y_m = 0.002;  // observations scatter by 10 mm
   return l;
 }

@@ -7,6 +7,7 @@
 
 #include "evaluation/map_evaluation.hpp"
 #include "simulation/random.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -36,12 +37,9 @@ std::vector<mapping::Landmark> map_of(const std::vector<TruthObject>& truth,
   std::vector<mapping::Landmark> map;
   const auto add = [&](double x_m, double y_m) {
     const Point p = transform(T_map_truth, {x_m, y_m});
-    mapping::Landmark landmark;
-    landmark.id = static_cast<int>(map.size()) + 1;
-    landmark.label = Label::kTree;
-    landmark.x_m = p.x_m + random.normal(0.0, sd_m);
-    landmark.y_m = p.y_m + random.normal(0.0, sd_m);
-    map.push_back(landmark);
+    const double at_x_m = p.x_m + random.normal(0.0, sd_m);
+    const double at_y_m = p.y_m + random.normal(0.0, sd_m);
+    map.push_back(test::tree(static_cast<int>(map.size()) + 1, at_x_m, at_y_m));
   };
   for (const TruthObject& tree : truth) {
     if (random.uniform() > 0.05) add(tree.x_m, tree.y_m);
@@ -117,11 +115,7 @@ TEST(MapAlignment, SecondLandmarksOfATreeAreCounted) {
                                        {Label::kTree, 2.0, 0.0, 0.1, ""},
                                        {Label::kObject, 4.0, 0.0, 0.1, ""}};
   const auto landmark = [](int id, Label label, double x_m) {
-    mapping::Landmark l;
-    l.id = id;
-    l.label = label;
-    l.x_m = x_m;
-    return l;
+    return test::landmark(id, label, x_m, 0.0);
   };
   const MapEvaluation evaluation =
       evaluate_map({landmark(1, Label::kTree, 0.01), landmark(2, Label::kTree, 0.2),

@@ -14,6 +14,7 @@
 #include "evaluation/assignment.hpp"
 #include "evaluation/reliability.hpp"
 #include "simulation/random.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -32,12 +33,7 @@ TruthObject thing(Label label, double x_m, double y_m) {
 }
 
 Landmark landmark(int id, Label label, double x_m, double y_m) {
-  Landmark found;
-  found.id = id;
-  found.label = label;
-  found.num_observations = 5;
-  found.x_m = x_m;
-  found.y_m = y_m;
+  Landmark found = test::landmark(id, label, x_m, y_m, 0.0, 5);
   found.se_x_m = 0.004;
   found.se_y_m = 0.006;
   found.roc_mean = 0.8;

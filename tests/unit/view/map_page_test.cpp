@@ -12,6 +12,7 @@
 #include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
 #include "view/page.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::view {
 namespace {
@@ -22,15 +23,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 mapping::Landmark make_landmark(std::int32_t id, detection::Label label, double x_m, double y_m) {
-  mapping::Landmark l;
-  l.id = id;
-  l.label = label;
-  l.num_observations = 7;
-  l.x_m = x_m;
-  l.y_m = y_m;
+  mapping::Landmark l = test::landmark(id, label, x_m, y_m, 0.123, 7);
   l.se_x_m = 0.0049;
   l.se_y_m = 0.0051;
-  l.width_m = 0.123;
   l.width_sd_m = 0.004;
   l.roc_mean = 0.87;
   l.probability = 0.9991;
@@ -188,12 +183,9 @@ struct TiledMap {
     std::mt19937 dice(3);
     std::uniform_real_distribution<double> place_m(-900.0, 900.0);
     for (int k = 0; k < num_trees; ++k) {
-      mapping::Landmark l;
-      l.id = 2 * k + 1;
-      l.label = k % 10 == 0 ? detection::Label::kObject : detection::Label::kTree;
-      l.x_m = place_m(dice);
-      l.y_m = place_m(dice);
-      landmarks.push_back(l);
+      const auto label = k % 10 == 0 ? detection::Label::kObject : detection::Label::kTree;
+      const double x_m = place_m(dice), y_m = place_m(dice);
+      landmarks.push_back(test::landmark(2 * k + 1, label, x_m, y_m));
     }
     mapping::Row row;
     row.number = 7;

@@ -17,12 +17,14 @@
 #include "io/figure/plot_axes.hpp"
 #include "io/figure/scan_figure.hpp"
 #include "io/file_error.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::io {
 namespace {
 
 using detection::Label;
 using mapping::Landmark;
+using test::landmark;
 using ::testing::HasSubstr;
 
 cv::Mat decoded(const std::string& png) {
@@ -250,16 +252,6 @@ TEST(LabelPlacement, OfACrowdNoTwoOverlapAndNoneLeavesThePage) {
 }
 
 constexpr Colour kTree{70, 180, 80}, kObject{225, 70, 60}, kPath{60, 110, 200}, kInk{30, 30, 30};
-
-Landmark landmark(int id, Label label, double x_m, double y_m, double width_m) {
-  Landmark l;
-  l.id = id;
-  l.label = label;
-  l.x_m = x_m;
-  l.y_m = y_m;
-  l.width_m = width_m;
-  return l;
-}
 
 /// Three trees, thick enough to be seen, and an object on the corners of 4 m by 3 m.
 std::vector<Landmark> rectangle_of_four() {

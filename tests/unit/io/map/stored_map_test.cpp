@@ -16,6 +16,7 @@
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "unit/io/test_folder.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::io {
 namespace {
@@ -71,14 +72,7 @@ TEST(StoredMap, RefusesWhatIsNoMapInMetres) {
 MapFolderContent content_with_rows() {
   MapFolderContent content;
   for (int i = 0; i < 40; ++i) {
-    mapping::Landmark l;
-    l.id = i + 1;
-    l.label = detection::Label::kTree;
-    l.x_m = 2.0 * (i % 10);
-    l.y_m = 4.0 * (i / 10);
-    l.num_observations = 5;
-    l.width_m = 0.1;
-    content.landmarks.push_back(l);
+    content.landmarks.push_back(test::tree(i + 1, 2.0 * (i % 10), 4.0 * (i / 10), 0.1, 5));
   }
   content.rows = mapping::find_rows(content.landmarks, mapping::RowsConfig{});
   mapping::number_landmarks(content.rows, content.landmarks);

@@ -11,6 +11,7 @@
 #include "unit/central_difference.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
 #include "unit/nees_band.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -189,14 +190,8 @@ TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
   std::vector<Landmark> a, b;
   const geometry::Pose2 T_b_a{40.0, -12.0, 170.0 * kDeg};
   for (int i = 0; i < 12; ++i) {
-    Landmark l;
-    l.id = i + 1;
-    l.label = detection::Label::kObject;  // poles
     const Vector2d p(dice.uniform(0, 9), dice.uniform(0, 6));
-    l.x_m = p.x();
-    l.y_m = p.y();
-    l.width_m = 0.05;
-    l.num_observations = 20;
+    Landmark l = test::landmark(i + 1, detection::Label::kObject, p.x(), p.y(), 0.05, 20);  // poles
     a.push_back(l);
     const Vector2d q = transform(T_b_a, p);
     l.x_m = q.x() + dice.normal(0.03);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "unit/mapping/compare/two_drives.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -350,14 +351,8 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> path;
   for (int i = 0; i < 80; ++i) {  // rows at y = 2 and y = -4, seen from y = 0 a hundred times each
-    Landmark l;
-    l.id = i + 1;
-    l.label = detection::Label::kTree;
-    l.x_m = i % 40;
-    l.y_m = i < 40 ? 2.0 : -4.0;
-    l.width_m = i == 20 ? 2.4 : 0.1;  // one is a wall
-    l.num_observations = 100;
-    landmarks.push_back(l);
+    const double width_m = i == 20 ? 2.4 : 0.1;  // one is a wall
+    landmarks.push_back(test::tree(i + 1, i % 40, i < 40 ? 2.0 : -4.0, width_m, 100));
   }
   for (int i = 0; i < 400; ++i) {
     pose::PoseEstimate p;

@@ -9,6 +9,7 @@
 
 #include "mapping/rows/row_numbers.hpp"
 #include "unit/mapping/compare/two_drives.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -218,12 +219,7 @@ TEST(NumberKeeping, ATreeDoesNotTakeTheIdOfTheFelledOneBesideWhichItStandsNow) {
 std::vector<Landmark> row_of(const std::vector<std::pair<double, int>>& x_and_position) {
   std::vector<Landmark> row;
   for (const auto& [x_m, position] : x_and_position) {
-    Landmark l;
-    l.id = static_cast<std::int32_t>(row.size()) + 1;
-    l.label = Label::kTree;
-    l.num_observations = 9;
-    l.x_m = x_m;
-    l.width_m = 0.1;
+    Landmark l = test::tree(static_cast<std::int32_t>(row.size()) + 1, x_m, 0.0, 0.1, 9);
     l.row = position == 0 ? 0 : 4;
     l.position = position;
     row.push_back(l);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/corrections/apply_corrections.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -12,13 +13,7 @@ using Outcome = CorrectionOutcome;
 using ::testing::HasSubstr;
 
 Landmark tree(std::int32_t id, double x_m, double y_m, double width_m = 0.1) {
-  Landmark l;
-  l.id = id;
-  l.label = Label::kTree;
-  l.x_m = x_m, l.y_m = y_m;
-  l.width_m = width_m;
-  l.num_observations = 9;
-  return l;
+  return test::tree(id, x_m, y_m, width_m, 9);
 }
 
 Correction about(CorrectionKind kind, std::int32_t number, const Landmark& l) {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "mapping/corrections/apply_corrections.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -30,14 +31,10 @@ std::vector<Landmark> orchard_of(int num_rows, int num_trees, std::mt19937& rand
   std::normal_distribution<double> scatter(0.0, 0.05);
   std::vector<Landmark> map;
   for (int i = 0; i < num_rows * num_trees; ++i) {
-    Landmark l;
-    l.id = i + 1;
-    l.label = i % 13 == 5 ? Label::kObject : Label::kTree;
-    const int row = i / num_trees;
-    l.x_m = 2.0 * (i % num_trees) + scatter(random);
-    l.y_m = 4.0 * row + scatter(random);
-    l.num_observations = 9;
-    l.width_m = 0.1;
+    const double x_m = 2.0 * (i % num_trees) + scatter(random);
+    const double y_m = 4.0 * (i / num_trees) + scatter(random);
+    const Label label = i % 13 == 5 ? Label::kObject : Label::kTree;
+    Landmark l = test::landmark(i + 1, label, x_m, y_m, 0.1, 9);
     if (l.label == Label::kTree) l.row = i / num_trees + 1, l.position = i % num_trees + 1;
     map.push_back(l);
   }

@@ -2,6 +2,7 @@
 // Which landmarks are parts of a bush: what certainly is no tree where the borders touch, what
 // rather is none where it overlaps the bush.
 #include "mapping/extent/extent.hpp"
+#include "worlds/landmark.hpp"
 
 #include <gtest/gtest.h>
 
@@ -130,14 +131,8 @@ using Eigen::Vector2d;
 constexpr double kWidest_m = 2.0;
 
 Landmark thing(int id, const Vector2d& p, double width_m = 0.3) {
-  Landmark l;
-  l.id = id;
-  l.label = detection::Label::kTree;  // what a laser takes bits of a hedge for
-  l.num_observations = 10;
+  Landmark l = test::tree(id, p.x(), p.y(), width_m, 10);  // as a laser takes bits of a hedge
   l.probability = 1.0;
-  l.x_m = p.x();
-  l.y_m = p.y();
-  l.width_m = width_m;
   return l;
 }
 

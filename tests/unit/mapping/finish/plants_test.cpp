@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../rows/planted_rows.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -106,13 +107,8 @@ TEST(Plants, WithoutRowsNothingTellsStemsFromPlants) {
     SCOPED_TRACE("thicket " + std::to_string(k));
     test::Planted thicket;
     for (int i = 1; i <= 80; ++i) {
-      Landmark l;
-      l.id = i;
-      l.label = Label::kTree;
-      l.num_observations = 80;
-      l.x_m = uniform(random, 0.0, 40.0);
-      l.y_m = uniform(random, 0.0, 40.0);
-      thicket.landmarks.push_back(l);
+      const double x_m = uniform(random, 0.0, 40.0), y_m = uniform(random, 0.0, 40.0);
+      thicket.landmarks.push_back(test::tree(i, x_m, y_m, 0.0, 80));
     }
     const std::vector<Landmark> all = cut_up(thicket, 0.5, random);
     EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), all.size());

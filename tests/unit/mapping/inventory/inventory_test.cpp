@@ -7,18 +7,15 @@
 #include <numeric>
 #include <random>
 
+#include "worlds/landmark.hpp"
+
 namespace orchard::mapping {
 namespace {
 
 Landmark tree(std::int32_t id, std::int32_t row, std::int32_t position, double width_m) {
-  Landmark l;
-  l.id = id;
-  l.label = detection::Label::kTree;
+  Landmark l = test::tree(id, 4.0 * row, 2.0 * position, width_m);
   l.row = row;
   l.position = position;
-  l.x_m = 4.0 * row;
-  l.y_m = 2.0 * position;
-  l.width_m = width_m;
   l.probability = 0.99;
   return l;
 }

@@ -5,6 +5,7 @@
 #include "mapping/plan/plan_match.hpp"
 #include "mapping/rows/row_numbers.hpp"
 #include "unit/mapping/plan/planned_block.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -133,12 +134,7 @@ TEST(PlanNumbers, NamesThatAreNoNumbersAreCounted) {
   }
   std::vector<Landmark> landmarks;
   for (const Eigen::Vector2d& p : plan.places()) {
-    Landmark l;
-    l.id = 100 + static_cast<int>(landmarks.size());
-    l.label = detection::Label::kTree;
-    l.x_m = p.x();
-    l.y_m = p.y();
-    landmarks.push_back(l);
+    landmarks.push_back(test::tree(100 + static_cast<int>(landmarks.size()), p.x(), p.y()));
   }
   const PlanMatch match = match_plan(plan, landmarks, DetectionMap(), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "mapping/rows/row_numbers.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -26,14 +27,11 @@ Planted plant(const std::vector<double>& y_m, int num_places, double bend = 0.0)
   for (std::size_t r = 0; r < y_m.size(); ++r) {
     for (int k = 0; k < num_places; ++k) {
       if (k == 5 && r == 1) continue;  // a gap
-      Landmark l;
-      l.id = static_cast<std::int32_t>(p.landmarks.size()) + 1;
-      l.label = detection::Label::kTree;
-      l.width_m = 0.2;
       const double radius_m = bend == 0.0 ? 0.0 : bend - y_m[r];
-      l.x_m = bend == 0.0 ? 2.0 * k : radius_m * std::sin(2.0 * k / bend);
-      l.y_m = bend == 0.0 ? y_m[r] : bend - radius_m * std::cos(2.0 * k / bend);
-      p.landmarks.push_back(l);
+      p.landmarks.push_back(
+          test::tree(static_cast<std::int32_t>(p.landmarks.size()) + 1,
+                     bend == 0.0 ? 2.0 * k : radius_m * std::sin(2.0 * k / bend),
+                     bend == 0.0 ? y_m[r] : bend - radius_m * std::cos(2.0 * k / bend), 0.2));
     }
   }
   RowsConfig config;
@@ -105,13 +103,9 @@ TEST(NavigationGraph, NoWayTouchesAnythingWhateverStandsAbout) {
       return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
     };
     for (int k = 0; k < 12; ++k) {
-      Landmark l;
-      l.id = 900 + k;
-      l.label = detection::Label::kObject;
-      l.x_m = uniform(-4.0, 24.0);
-      l.y_m = uniform(-15.0, 3.0);
-      l.width_m = uniform(0.05, 2.0);
-      p.landmarks.push_back(l);
+      const double x_m = uniform(-4.0, 24.0), y_m = uniform(-15.0, 3.0);
+      p.landmarks.push_back(
+          test::landmark(900 + k, detection::Label::kObject, x_m, y_m, uniform(0.05, 2.0)));
     }
     for (const NavigationEdge& way : navigation_graph(p.landmarks, p.rows).edges) {
       ++num_ways;
@@ -186,13 +180,7 @@ TEST(RowSpacing, CountsOnlyNeighbours) {
 }
 
 Landmark tree(std::int32_t id, double x_m, double y_m, std::int32_t row, std::int32_t position) {
-  Landmark l;
-  l.id = id;
-  l.label = detection::Label::kTree;
-  l.num_observations = 9;
-  l.width_m = 0.1;
-  l.x_m = x_m;
-  l.y_m = y_m;
+  Landmark l = test::tree(id, x_m, y_m, 0.1, 9);
   l.row = row;
   l.position = position;
   return l;

@@ -13,6 +13,7 @@
 
 #include "geometry/angles.hpp"
 #include "mapping/landmark.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::test {
 
@@ -138,11 +139,7 @@ inline Planted plant_amid_clutter(std::mt19937_64& random) {
   }
   int id = 20000;
   const auto add = [&](const Eigen::Vector2d& p) {
-    mapping::Landmark l;
-    l.id = ++id;
-    l.label = detection::Label::kTree;
-    l.x_m = p.x();
-    l.y_m = p.y();
+    mapping::Landmark l = test::tree(++id, p.x(), p.y());
     l.probability = 1.0;
     l.roc_mean = uniform(0.3, 0.8);
     l.num_observations = static_cast<int>(uniform(5, 40));

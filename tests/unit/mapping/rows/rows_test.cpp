@@ -12,6 +12,7 @@
 
 #include "mapping/rows/row_tracks.hpp"
 #include "unit/mapping/rows/planted_rows.hpp"
+#include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -87,12 +88,7 @@ TEST(Rows, NumbersStayWhenOneTreeInTwentyChanges) {
     for (const Row& row : find_rows(block.landmarks, config)) {
       for (const RowSlot& place : row.places) {
         if (place.landmark_id != 0 || random() % 4 != 0) continue;
-        Landmark l;
-        l.id = ++new_id;
-        l.label = Label::kTree;
-        l.x_m = place.p_map.x();
-        l.y_m = place.p_map.y();
-        later.push_back(l);
+        later.push_back(test::tree(++new_id, place.p_map.x(), place.p_map.y()));
       }
     }
     std::shuffle(later.begin(), later.end(), random);
@@ -170,12 +166,7 @@ TEST(Rows, AHedgeAcrossTheirEndsChangesNoNumber) {
   std::mt19937_64 random(5);
   Planted block = plant(plan, random);
   for (int i = 0; i < 24; ++i) {  // 3 m beyond the last places, from the first row to the last
-    Landmark l;
-    l.id = 5000 + i;
-    l.label = Label::kTree;
-    l.x_m = 27.0;
-    l.y_m = -14.0 + 28.0 * i / 23.0;
-    block.landmarks.push_back(l);
+    block.landmarks.push_back(test::tree(5000 + i, 27.0, -14.0 + 28.0 * i / 23.0));
   }
   const auto numbers = numbered(block.landmarks, counted_along(block));
   // a lone last tree beside the hedge may be taken for one of it, and stay without a number
@@ -333,12 +324,7 @@ TEST(Rows, WhatStandsInLineByChanceIsNoRow) {
     plan.post_fraction = 0.0;
     Planted block = plant(plan, random);
     const auto add = [&](int id, double x_m, double y_m) {
-      Landmark l;
-      l.id = id;
-      l.label = Label::kTree;
-      l.x_m = x_m;
-      l.y_m = y_m;
-      block.landmarks.push_back(l);
+      block.landmarks.push_back(test::tree(id, x_m, y_m));
     };
     // hedge pieces along the outermost row, half a pitch beyond it, at any distance of each other
     double x_m = -16.0;

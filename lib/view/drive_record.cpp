@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "geometry/thinned_line.hpp"
 #include "text/number_text.hpp"
 #include "view/detections_json.hpp"
 #include "view/map_data.hpp"
@@ -62,7 +63,7 @@ void DriveRecord::take(const pose::TrajectoryPage& page) {
   if (!trajectory || trajectory->poses.empty()) return;
   std::vector<Eigen::Vector2d> line;
   for (const pose::PoseEstimate& pose : trajectory->poses) line.push_back({pose.x_m, pose.y_m});
-  Path path{step_of(trajectory->utime), points_json(thinned_line(line, kPathStep_m), 0)};
+  Path path{step_of(trajectory->utime), points_json(geometry::thinned_line(line, kPathStep_m), 0)};
   if (num_paths_++ % path_stride_ != 0) {
     skipped_path_ = std::move(path);
     return;

@@ -2,10 +2,9 @@
 #include "view/map_data.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "geometry/angles.hpp"
+#include "geometry/thinned_line.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
@@ -13,19 +12,6 @@ namespace orchard::view {
 namespace {
 
 using mapping::Landmark;
-
-/// Range of directions from the last kept point, relative to the direction of the first point after
-/// it.
-struct Cone {
-  bool is_open = false;  ///< not narrowed by any point yet
-  double middle_rad = 0.0;
-  double least_rad = -geometry::kPi, most_rad = geometry::kPi;  ///< relative to middle_rad
-  double reach_m = 0.0;                                         ///< distance of the farthest point
-};
-
-double relative(double angle_rad, double to_rad) {
-  return std::remainder(angle_rad - to_rad, 2.0 * geometry::kPi);
-}
 
 std::string row_json(const mapping::Row& row) {
   std::vector<const mapping::RowSlot*> gaps;
@@ -45,47 +31,6 @@ std::string row_json(const mapping::Row& row) {
 }
 
 }  // namespace
-
-std::vector<Eigen::Vector2d> thinned_line(const std::vector<Eigen::Vector2d>& line,
-                                          double tolerance_m) {
-  if (line.size() < 3) return line;
-  std::vector<Eigen::Vector2d> kept{line.front()};
-  Cone cone;
-  for (std::size_t k = 1; k < line.size(); ++k) {
-    const auto allows = [&](const Eigen::Vector2d& p) {
-      const Eigen::Vector2d step = p - kept.back();
-      const double distance_m = step.norm();
-      // A line that turns back stays inside the cone but does not reach as far.
-      if (distance_m + tolerance_m < cone.reach_m) return false;
-      if (distance_m <= tolerance_m) return true;
-      const double angle_rad = std::atan2(step.y(), step.x());
-      if (cone.is_open) {
-        const double off_rad = relative(angle_rad, cone.middle_rad);
-        if (off_rad < cone.least_rad || off_rad > cone.most_rad) return false;
-      }
-      return true;
-    };
-    if (!allows(line[k])) {
-      kept.push_back(line[k - 1]);
-      cone = Cone{};
-    }
-    const Eigen::Vector2d step = line[k] - kept.back();
-    const double distance_m = step.norm();
-    cone.reach_m = std::max(cone.reach_m, distance_m);
-    if (distance_m <= tolerance_m) continue;
-    const double angle_rad = std::atan2(step.y(), step.x());
-    if (!cone.is_open) {
-      cone.is_open = true;
-      cone.middle_rad = angle_rad;
-    }
-    const double off_rad = relative(angle_rad, cone.middle_rad);
-    const double half_rad = std::asin(std::min(1.0, tolerance_m / distance_m));
-    cone.least_rad = std::max(cone.least_rad, off_rad - half_rad);
-    cone.most_rad = std::min(cone.most_rad, off_rad + half_rad);
-  }
-  kept.push_back(line.back());
-  return kept;
-}
 
 int label_number(detection::Label label) {
   return label == detection::Label::kTree ? 0 : label == detection::Label::kObject ? 1 : 2;
@@ -109,7 +54,7 @@ std::vector<Eigen::Vector2d> path_line(const std::vector<pose::PoseEstimate>& pa
   std::vector<Eigen::Vector2d> line;
   line.reserve(path.size());
   for (const pose::PoseEstimate& pose : path) line.emplace_back(pose.x_m, pose.y_m);
-  return thinned_line(line, kPathTolerance_m);
+  return geometry::thinned_line(line, kPathTolerance_m);
 }
 
 std::string way_json(const mapping::NavigationEdge& way, const std::vector<Eigen::Vector2d>& line) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "geometry/thinned_line.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 #include "view/map_data.hpp"
@@ -205,7 +206,7 @@ std::string MapTiles::overview_parts_json() const {
     const double mean_m = number > 0 ? sum_m / static_cast<double>(number) : 0.0;
     return "{\"number\":" + std::to_string(row.number) +
            ",\"spacing\":" + fixed_text(row.spacing_m, 3) +
-           ",\"line\":" + line_json(thinned_line(tree_line(row), tolerance_m)) +
+           ",\"line\":" + line_json(geometry::thinned_line(tree_line(row), tolerance_m)) +
            ",\"gaps\":[],\"trees\":" + std::to_string(number) +
            ",\"num_gaps\":" + std::to_string(num_gaps) + ",\"trunk\":" + fixed_text(mean_m, 4) +
            "}";
@@ -213,12 +214,12 @@ std::string MapTiles::overview_parts_json() const {
   return "\"rows\":" + array_json(*data_.rows, row_text) + ",\"ways\":" +
          array_json(data_.graph->edges,
                     [&](const mapping::NavigationEdge& way) {
-                      return way_json(way, thinned_line(way.line_map, tolerance_m));
+                      return way_json(way, geometry::thinned_line(way.line_map, tolerance_m));
                     }) +
          ",\"paths\":" +
          array_json(data_.paths,
                     [&](const auto* path) {
-                      return line_json(thinned_line(path_line(*path), tolerance_m));
+                      return line_json(geometry::thinned_line(path_line(*path), tolerance_m));
                     }) +
          ",\"tiles\":" + tiles_json();
 }

@@ -204,13 +204,6 @@ std::int8_t gga_quality(const GpsdFix& fix) {
   return kByStatus[static_cast<std::size_t>(fix.status)];
 }
 
-std::string quality_name(std::int8_t quality) {
-  constexpr std::array<const char*, 9> kNames{"no fix",    "single",    "differential",
-                                              "military",  "RTK fixed", "RTK float",
-                                              "estimated", "surveyed",  "simulated"};
-  return kNames.at(static_cast<std::size_t>(quality));
-}
-
 std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise) {
   std::array<double, 6> covariance{};
   if (noise != nullptr && from_noise(*noise, covariance)) return covariance;

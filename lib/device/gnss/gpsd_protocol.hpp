@@ -75,9 +75,6 @@ std::optional<std::int64_t> parse_utc(std::string_view text);
 /// NMEA GGA quality of a gpsd fix.
 std::int8_t gga_quality(const GpsdFix& fix);
 
-/// The name of a GGA quality for the user: "RTK fixed".
-std::string quality_name(std::int8_t quality);
-
 /// ENU covariance [m2] of a fix: ee en eu nn nu uu; all 0 when unknown. `noise`: of the same
 /// moment, or null.
 ///

@@ -59,8 +59,6 @@ TEST(GpsdProtocol, NamesTheQualityByGga) {
     fix.mode = 1;
     EXPECT_EQ(gga_quality(fix), 0);
   }
-  EXPECT_EQ(quality_name(4), "RTK fixed");
-  EXPECT_EQ(quality_name(5), "RTK float");
 }
 
 TEST(GpsdProtocol, TheCovarianceIsThatOfTheEllipse) {

@@ -298,26 +298,34 @@ TEST_F(PictureCommands, CherryTrunksAreToldFromWhatSurroundsThem) {
   EXPECT_LT(json["auc_hue_interval_paper"], 0.6);
 }
 
-/// A short drive through the hard orchard with its truth, and its map.
+/// Two short drives through the hard orchard with their truth, to learn and to judge by, and the
+/// map of the first: made once, and a copy for each test.
 class CalibrateProbability : public CalibrationTest {
  protected:
-  void SetUp() override {
-    CalibrationTest::SetUp();
+  static void SetUpTestSuite() {
+    fs::create_directories(drives());
     simulate("learn", 41);
-    ASSERT_EQ(run("map " + path("learn.lcm") + rig() + " --quiet --out " + path("learn")).exit_code,
+    simulate("judge", 42);
+    const std::string learn = (drives() / "learn").string();
+    ASSERT_EQ(run("map " + learn + ".lcm --config " + kRig + " --quiet --out " + learn).exit_code,
               0);
   }
-  std::string rig() const { return " --config " + rig_; }
-  void simulate(const std::string& name, int seed) const {
-    const std::string drive =
-        " --scene orchard --duration 20 --seed " + std::to_string(seed) + rig() + " --out ";
-    const Outcome outcome =
-        run("simulate" + drive + path(name + ".lcm") + " --truth " + path(name + ".truth.csv"));
+  static void TearDownTestSuite() { fs::remove_all(drives()); }
+  void SetUp() override { fs::copy(drives(), folder_, fs::copy_options::recursive); }
+
+  static fs::path drives() {
+    return fs::temp_directory_path() / ("orchard_drives_" + std::to_string(getpid()));
+  }
+  static void simulate(const std::string& name, int seed) {
+    const std::string base = (drives() / name).string();
+    const std::string drive = " --scene orchard --duration 20 --seed " + std::to_string(seed) +
+                              " --config " + kRig + " --out " + base;
+    const Outcome outcome = run("simulate" + drive + ".lcm --truth " + base + ".truth.csv");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    const Outcome looks =
-        run(drive + path(name + ".looks.csv"), true, "experiments/true_observations");
+    const Outcome looks = run(drive + ".looks.csv", true, "experiments/true_observations");
     ASSERT_EQ(looks.exit_code, 0) << looks.output;
   }
+  std::string rig() const { return " --config " + rig_; }
   /// Learns from `source` into out.yaml.
   Outcome learn(const std::string& source, const std::string& out = "out.yaml") const {
     return run("calibrate probability " + path("learn.lcm") + rig() + " --out " + path(out) +
@@ -360,7 +368,8 @@ class CalibrateProbability : public CalibrationTest {
     return nlohmann::json::parse(outcome.output)["observations"]["f1"].get<double>();
   }
 
-  std::string rig_ = ORCHARD_SOURCE_DIR "/config/orchard_hard.yaml";
+  static constexpr const char* kRig = ORCHARD_SOURCE_DIR "/config/orchard_hard.yaml";
+  std::string rig_ = kRig;
 };
 
 TEST_F(CalibrateProbability, AMapWithPickedTreesTeachesWhatTheTruthTeaches) {
@@ -375,7 +384,6 @@ TEST_F(CalibrateProbability, AMapWithPickedTreesTeachesWhatTheTruthTeaches) {
   ASSERT_EQ(of_map.exit_code, 0) << of_map.output;
   EXPECT_THAT(of_map.output, Not(HasSubstr("warning")));
   EXPECT_THAT(of_map.output, HasSubstr("objects of one recording"));
-  simulate("judge", 42);
   const double f1_of_truth = judged_f1("truth.yaml"), f1_of_map = judged_f1("map.yaml");
   RecordProperty("f1_of_truth", std::to_string(f1_of_truth));
   RecordProperty("f1_of_map", std::to_string(f1_of_map));
@@ -418,7 +426,6 @@ TEST_F(CalibrateProbability, TrunksFoundByThemselvesTeachTheDecision) {
   const auto config = io::load_config(path("trunks.yaml"));
   EXPECT_EQ(config.detector.decision, detection::Decision::kProbability);
   EXPECT_TRUE(config.detector.probability.enabled);
-  simulate("judge", 42);
   const double f1_of_paper = judged_f1("roc.yaml"), f1_found = judged_f1("trunks.yaml");
   RecordProperty("f1_of_paper", std::to_string(f1_of_paper));
   RecordProperty("f1_found", std::to_string(f1_found));

@@ -46,16 +46,13 @@ inline std::string text_of(const std::filesystem::path& path) {
 /// An empty folder for each test.
 class CalibrationTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("orchard_calibration_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
+  void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  std::filesystem::path folder_;
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("orchard_calibration_" + std::to_string(getpid()));
 };
 
 }  // namespace orchard

@@ -289,7 +289,7 @@ TEST_F(EditCommand, IsCarriedToTheNextMap) {
   const std::string a = path("a"), b = path("b");
   const std::string drive = path("drive.lcm");
   ASSERT_EQ(
-      orchard({"simulate", "--scene", "orchard", "--seed", "7", "--duration", "60", "--out", drive})
+      orchard({"simulate", "--scene", "orchard", "--seed", "7", "--duration", "20", "--out", drive})
           .exit_code,
       0);
   ASSERT_EQ(orchard({"map", drive, "--out", a, "--quiet"}).exit_code, 0);

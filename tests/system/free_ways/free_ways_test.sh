@@ -3,9 +3,9 @@
 # Is every way of graph.json free: in a simulated orchard against what truly stands there, in a real drive
 # (where it is at hand) against the beams of the scans; and would a way into a tree be found? Both drives and
 # twenty orchards: `experiment run free_ways`.
-#   free_ways_test.sh ORCHARD SOURCE_TREE FOLDER_OF_RECORDINGS
+#   free_ways_test.sh ORCHARD SOURCE_TREE FOLDER_OF_RECORDINGS FOLDER_OF_map_pullally.sh
 set -euo pipefail
-orchard=$1 source=$2 recordings=$3
+orchard=$1 source=$2 recordings=$3 pullally=$4
 check=$source/tests/system/free_ways/check_ways.py
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -34,10 +34,7 @@ fi
 
 drive=pullally_drive_1
 if [ -d "$recordings/$drive" ]; then
-  "$orchard" import "$recordings/$drive" --out "$work/$drive.lcm" >/dev/null
-  "$orchard" map "$work/$drive.lcm" --config "$source/config/pullally.yaml" --out "$work/$drive" \
-    --quiet --no-derived
-  python3 "$check" "$work/$drive" --recording "$recordings/$drive"
+  python3 "$check" "$pullally/map" --recording "$recordings/$drive"
 else
   echo "$drive is not at hand"
 fi

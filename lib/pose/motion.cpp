@@ -143,21 +143,24 @@ void DeadReckoning::add(const Odometry& odometry) {
   if (measured_utime_ && odometry.seq == seq_ + 1) measured_utime_ = odometry.utime;
   drive_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
   measured_utime_ = odometry.utime;
+  ahead_.setZero();
   seq_ = odometry.seq;
   speed_mps_ = odometry.speed_mps;
   yaw_rate_radps_ = odometry.yaw_rate_radps;
 }
 
-void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
+void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
                         const Eigen::Matrix3d& covariance) {
-  if (!T_now_then.allFinite() || !covariance.allFinite()) return;
+  if (!T_measured_then.allFinite() || !covariance.allFinite()) return;
   if (utime_ && utime <= *utime_) return;
   if (utime_) {
-    const double dt_s = timing::seconds(utime - *utime_);
-    speed_mps_ = T_now_then.x() / dt_s;
-    yaw_rate_radps_ = T_now_then.z() / dt_s;
+    const double dt_s = timing::seconds(utime - measured_utime_.value_or(*utime_));
+    speed_mps_ = T_measured_then.x() / dt_s;
+    yaw_rate_radps_ = T_measured_then.z() / dt_s;
   }
-  motion_.append(T_now_then, covariance);
+  // What was extrapolated since the last measurement is part of the measured motion.
+  motion_.append(geometry::between(ahead_, T_measured_then), covariance);
+  ahead_.setZero();
   utime_ = utime;
   if (!started_utime_) started_utime_ = utime;
   measured_utime_ = utime;
@@ -165,7 +168,10 @@ void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
 
 void DeadReckoning::advance_to(std::int64_t utime) {
   if (!utime_) utime_ = started_utime_ = utime;
-  if (utime > *utime_) drive_to(utime, speed_mps_, yaw_rate_radps_);
+  if (utime <= *utime_) return;
+  const Eigen::Vector3d before = motion_.delta;
+  drive_to(utime, speed_mps_, yaw_rate_radps_);
+  ahead_ = compose(ahead_, geometry::between(before, motion_.delta));
 }
 
 void DeadReckoning::restart(const OdometryCalibration& calibration) {

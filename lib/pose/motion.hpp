@@ -67,8 +67,8 @@ class DeadReckoning {
   /// reading, as encoders measure it.
   void add(const Odometry& odometry);
 
-  /// Appends a measured motion T_now_then, from the present time to `utime`.
-  void add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
+  /// Appends a measured motion, from the time of the last measurement to `utime`.
+  void add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
            const Eigen::Matrix3d& covariance);
 
   /// Extrapolates to `utime` at the last velocity; does nothing for an earlier `utime`.
@@ -99,6 +99,7 @@ class DeadReckoning {
   std::optional<std::int64_t> measured_utime_;
   std::int32_t seq_ = 0;  ///< of the newest reading
   RelativeMotion motion_;
+  Eigen::Vector3d ahead_ = Eigen::Vector3d::Zero();  ///< extrapolated since the last measurement
   double speed_mps_ = 0.0;
   double yaw_rate_radps_ = 0.0;
   std::array<double, 3> velocity_covariance_{};

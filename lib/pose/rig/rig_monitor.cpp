@@ -368,7 +368,8 @@ void RigMonitor::judge() {
   estimates_.laser = estimate_mount(front_.pairs());
   estimates_.laser_rear = estimate_mount(rear_.pairs());
   estimates_.antenna = estimate_antenna(antenna_views());
-  const auto& [laser, laser_rear, by_wheels, antenna] = estimates_;
+  estimates_.scans_determined = front_.determined();
+  const auto& [laser, laser_rear, by_wheels, antenna, determined] = estimates_;
   const bool are_exchanged = facts_.laser_rear.enabled && laser && laser_rear &&
                              !fits(*laser, facts_.laser) && fits(*laser, facts_.laser_rear) &&
                              fits(*laser_rear, facts_.laser);

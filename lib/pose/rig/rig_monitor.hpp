@@ -36,6 +36,7 @@ struct RigEstimates {
   std::optional<MountEstimate> laser, laser_rear;
   bool by_wheels = false;  ///< compared with the wheels, else with fixes
   std::optional<AntennaEstimate> antenna;
+  double scans_determined = 0.0;  ///< fraction of the motions between scans that these determine
 };
 
 /// Path of one scanner by matching its scans every few decimetres, in pieces, each compared with
@@ -63,6 +64,10 @@ class ScannerPath {
     int piece = 0;  ///< the path is consistent within a piece
   };
   const std::vector<Key>& keys() const { return keys_; }
+  /// Fraction of the scans whose motion they determine, without the wheels.
+  double determined() const {
+    return keys_.empty() ? 0.0 : 1.0 - static_cast<double>(keys_.back().piece) / keys_.size();
+  }
 
  private:
   /// The reference at a time and shortly before and after it.

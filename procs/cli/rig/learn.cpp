@@ -46,6 +46,8 @@ constexpr double kYawSdMax_rad = 0.015;
 constexpr double kAntennaSdMax_m = 0.10;
 
 /// The comment of a value that the drive did not show.
+/// derived: all but one in twenty: the wheels alone bridge the others.
+constexpr double kDetermined = 0.95;
 constexpr const char* kNotSeen = "not seen; as given, or a guess to be replaced";
 
 /// What a log holds.
@@ -164,6 +166,7 @@ class Learner {
                             rig_.yaml().find("fc_px") != std::string::npos;
     start(has_camera);
     const Drive first = mapped(command_, logs_, rig_.config(), "first look", quiet_);
+    learn_motion(first);
     learn_place(first);
     learn_noise(first);
     learn_own_returns(first);
@@ -215,6 +218,15 @@ class Learner {
                                                 : "the log has " + channels);
     if (!has_camera) rig_.set({{"detector.tree_threshold", "0.2"}}, "by the laser alone");
     rig_.set({{"mapper.min_observations", "5"}}, "fewer views are twigs and people");
+  }
+
+  /// Scans tell the motion better than wheels, which slip, where they determine it.
+  void learn_motion(const Drive& drive) {
+    if (is_given_ || rig_.config().pose.mode != pose::PoseMode::kSlam || !drive.rig.by_wheels)
+      return;
+    if (drive.rig.scans_determined < kDetermined) return;
+    tell({{"pose.motion", "scans"}}, fmt::format("{:.0f} % of the motions are seen by the scanner",
+                                                 100.0 * drive.rig.scans_determined));
   }
 
   void learn_place(const Drive& drive) {

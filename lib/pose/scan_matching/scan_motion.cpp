@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
 #include "geometry/symmetric.hpp"
 #include "pose/motion.hpp"
 #include "pose/scan_matching/point_map.hpp"
@@ -79,6 +80,10 @@ Eigen::Matrix3d least_motion() {
                          kLeastTurnSd_rad * kLeastTurnSd_rad)
       .asDiagonal();
 }
+
+// physical: what wheels do not tell, sideways, as a fraction of the way: slip, and a scanner whose
+// direction was set by eye. A sure lateral motion of zero would bend every path to one side.
+constexpr double kSideways = 0.1;
 
 // derived: the search covers what the wheels leave open; chi-squared of three degrees of freedom
 // at 99.9 %.
@@ -340,8 +345,9 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
     if (wheels_.time_since_motion_s() <= PoseConfig::kOdometryGapMax_s) {
       const RelativeMotion& m = wheels_.motion();
       const Eigen::Matrix3d lasting = m.calibration_jacobian * wheels_sd_.asDiagonal();
-      const Eigen::Matrix3d covariance =
-          surprise_ * (m.covariance + lasting * lasting.transpose() + least_motion());
+      Eigen::Matrix3d covariance = m.covariance + lasting * lasting.transpose() + least_motion();
+      covariance(1, 1) += geometry::square(kSideways * m.travel_m);
+      covariance *= surprise_;
       expected.T_from_to = m.delta;
       expected.is_measured =
           (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();

@@ -164,7 +164,6 @@ void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m
       const Eigen::Vector2d p = arm + T.head<2>();
       double d2 = 0.0;
       const SurfacePoint* partner = map_.nearest(p, pair_m, d2);
-      squares += partner ? d2 : pair_m * pair_m;
       if (!partner) continue;
       const Eigen::Vector2d residual = p - partner->p;
       Eigen::Matrix2d across = Eigen::Matrix2d::Identity();
@@ -182,13 +181,14 @@ void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m
       H += Jt * metric * J;
       information += Jt * across * J;
       gradient += Jt * metric * residual;
+      squares += weight * r2;
       weights += weight;
       ++pairs;
     }
     match.matched = static_cast<double>(pairs) / static_cast<double>(points.size());
     match.information = information;
     match.weight = weights;
-    match.residual_variance_m2 = squares / static_cast<double>(points.size());
+    match.residual_variance_m2 = weights > 0.0 ? squares / weights : 0.0;
     if (pairs < kPairsMin) return;
     H.diagonal() += Eigen::Vector3d(1e-6, 1e-6, 1e-6);
     const Eigen::Vector3d step = -geometry::solve_symmetric(H, gradient);

@@ -29,7 +29,6 @@ struct ScanMatch {
   /// Information on (x, y) in map and the rotation about the robot, to be divided by the residual
   /// variance; smooth surfaces give none along themselves.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  /// Mean squared distance to the map of all points; what fits nowhere shows how rough it is.
   double residual_variance_m2 = 0.0;
   double weight = 0.0;  ///< sum over all pairs; a pair without residual has weight 1
 };

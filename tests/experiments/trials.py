@@ -741,6 +741,32 @@ def real(lab, seeds):
     return figures
 
 
+VINEYARD = """laser: {range_sd_m: 0.02}
+camera: {enabled: false}
+detector:
+  segmentation: {range_max_m: 8.0, blind_centre_rad: 3.1416, blind_half_width_rad: 0.6}
+  width: {mean_m: 0.05, sd_m: 0.02}
+  tree_threshold: 0.2
+mapper: {min_observations: 5}
+"""
+
+
+def vineyard(lab, seeds):
+    """Riseholme by the scanner's facts alone: the path against RTK, and what the program says of its end."""
+    log, source = lab.recording("riseholme_run_1")
+    ways = {"dead": {"pose.mode": "odometry", "pose.motion": "scans"},
+            "wheels": {"pose.mode": "slam"},
+            "scans": {"pose.mode": "slam", "pose.motion": "scans"},
+            "gnss": {"pose.mode": "slam", "pose.motion": "scans", "pose.slam.use_gnss": "true"}}
+    figures = {}
+    for key, changes in ways.items():
+        folder = lab.map(log, lab.rig(VINEYARD, changes), "--quiet")
+        path = lab.path(folder, source / "poses.csv")["ape_position_m"]
+        quality = [finding["name"] for finding in json.loads((folder / "summary.json").read_text())["quality"]]
+        figures[key] = f"{path['rmse']:.2f} m, {path['max']:.1f} m; " + (", ".join(quality) or "no doubt")
+    return figures
+
+
 def into_track(folder, poses):
     """From a map's frame into that of a recording's poses.csv, by the rigid motion that fits both paths best."""
     own, track = ({row["utime_us"]: complex(row["x_m"], row["y_m"]) for row in rows_of(path)}

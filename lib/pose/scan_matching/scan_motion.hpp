@@ -133,7 +133,8 @@ class ScanMotion {
   ScanMotionConfig config_;
   Eigen::Vector3d wheels_sd_;  ///< prior of speed scale, turn scale, yaw rate bias
   DeadReckoning wheels_;       ///< motion since the previous scan
-  double surprise_ = 9.0;      ///< variance of the wheels' errors over what they state, learnt
+  /// Variance of the wheels' errors over what they state: nine, until the drive tells.
+  double surprise_ = 9.0;
   laser::LaserConfig mount_;
   laser::BlindSector blind_;
   PointMap map_;

@@ -26,9 +26,15 @@ constexpr double kReach_sigma = 3.0;
 /// derived: variance of two sides, each uniform within the pixel that it is found in.
 constexpr double kPixels_px2 = 2.0 / 12.0;
 
+/// Logarithm of the gamma function, for several threads at once: std::lgamma writes a global sign.
+double log_gamma(double x) {
+  int sign = 0;
+  return ::lgamma_r(x, &sign);
+}
+
 /// Log evidence that `hits` of `count` pixels are edges, over all densities.
 double evidence(double hits, double count) {
-  return std::lgamma(hits + 1.0) + std::lgamma(count - hits + 1.0) - std::lgamma(count + 2.0);
+  return log_gamma(hits + 1.0) + log_gamma(count - hits + 1.0) - log_gamma(count + 2.0);
 }
 
 /// The columns in which a side is searched, and how it divides them.

@@ -30,6 +30,10 @@ inline constexpr double kAlongFraction = 0.05;      ///< weight of a residual al
 inline constexpr double kCorrelatedPoints = 4.0;    ///< neighbouring points that count as one
 inline constexpr double kFractionByChance = 0.045;  ///< informative on an endless surface
 
+// A motion that nothing measured, about that of 2 m/s for half a second; on both Pullally drives.
+inline constexpr double kUnknownShiftSd_m = 1.0;
+inline constexpr double kUnknownTurnSd_rad = 0.6;
+
 // Loop closure by scans; on scene yard, seeds 1-4.
 inline constexpr double kScanClosureScoreMin = 0.5;  ///< per point in known cells
 inline constexpr double kScanClosureKnownMin = 0.4;  ///< fraction of points in known cells

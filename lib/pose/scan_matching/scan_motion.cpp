@@ -65,11 +65,7 @@ bool is_in_range(const ScanMatch& match, const Eigen::Vector3d& centre, double s
   return (match.T_map_base - centre).head<2>().norm() <= shift_m + kPairMax_m;
 }
 
-// physical: roughness of surfaces, and what a robot moves between two scans: 2 m/s for half a
-// second.
-constexpr double kResidualSd_m = 0.02;
-constexpr double kUnknownShiftSd_m = 1.0;
-constexpr double kUnknownTurnSd_rad = 0.6;
+constexpr double kResidualSd_m = 0.02;  ///< physical: roughness of surfaces
 
 // physical: what no wheel and no clock tells of the motion between two scans.
 constexpr double kLeastShiftSd_m = 0.005;
@@ -81,15 +77,17 @@ Eigen::Matrix3d least_motion() {
       .asDiagonal();
 }
 
-// physical: what wheels do not tell, sideways, as a fraction of the way: slip, and a scanner whose
-// direction was set by eye. A sure lateral motion of zero would bend every path to one side.
+// physical: standard deviation of the sideways motion that wheels do not tell, as a fraction of the
+// travel: slip, and a scanner whose direction was set by eye. If wheels told that base never moves
+// sideways, a scanner a degree off would bend every path to one side.
 constexpr double kSideways = 0.1;
 
 // derived: the search covers what the wheels leave open; chi-squared of three degrees of freedom
 // at 99.9 %.
 constexpr double kSearchSigmas = 3.0;
 constexpr double kContradictionMax = 16.27;
-// derived: the wheels' errors are learnt over this many scans; one of them is at most doubted.
+// derived: the variance of the wheels' errors is learnt over some seconds of scans, as long as a
+// turn lasts; one wrong fit may raise it by half.
 constexpr double kSurpriseScans = 50.0;
 constexpr double kSurpriseGrowth = 25.0;
 

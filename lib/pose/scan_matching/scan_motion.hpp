@@ -67,7 +67,8 @@ class ScanMatcher {
   const PointMap& map_;
 };
 
-/// Returns the information of a fit on (x, y) in map and the rotation about the robot.
+/// Returns the information of a fit on (x, y) in map and the rotation about the robot [1/m2, 1/m,
+/// 1]: the inverse of its covariance.
 ///
 /// It is computed from the pairs and their residuals. Along each axis it is limited to the actual
 /// loss of fit when the scan is shifted, because in a dense map every point finds a partner nearby,
@@ -133,7 +134,8 @@ class ScanMotion {
   ScanMotionConfig config_;
   Eigen::Vector3d wheels_sd_;  ///< prior of speed scale, turn scale, yaw rate bias
   DeadReckoning wheels_;       ///< motion since the previous scan
-  /// Variance of the wheels' errors over what they state: nine, until the drive tells.
+  /// Variance of the wheels' errors over what they state. Until the drive tells, three times the
+  /// standard deviation is expected.
   double surprise_ = 9.0;
   laser::LaserConfig mount_;
   laser::BlindSector blind_;

@@ -189,9 +189,9 @@ class Lab:
         return json.loads(self.orchard("evaluate", "map", folder, "--truth", drive / "truth.csv", *options, "--gate", gate_m,
                                        "--json"))
 
-    def path(self, folder, poses):
-        """`evaluate trajectory` of a map, after rigid alignment."""
-        return json.loads(self.orchard("evaluate", "trajectory", folder, "--truth", poses, "--align", "--json"))
+    def path(self, folder, poses, *options):
+        """`evaluate trajectory` of a map, after rigid alignment unless options say otherwise."""
+        return json.loads(self.orchard("evaluate", "trajectory", folder, "--truth", poses, *(options or ["--align"]), "--json"))
 
     def looks(self, maps, drives):
         """`evaluate_detections` over maps of drives that have looks.csv."""

@@ -767,6 +767,25 @@ def vineyard(lab, seeds):
     return figures
 
 
+def in_rows(judged):
+    """A path by the rows, and as de Silva et al. 2026 (arXiv 2603.10847) judge theirs."""
+    rows = judged["rows"]
+    return (f"APE {judged['ape_position_m']['rmse']:.2f} m; cross-track {rows['cross_track_rms_m']:.2f}, {rows['cross_track_median_m']:.2f}, "
+            f"{rows['cross_track_95_m']:.2f} m; right alley {100 * rows['right_alley']:.0f} %, wrong {rows['wrong_longest_s']:.0f} s, "
+            f"{rows['wrong_longest_m']:.0f} m; nearest row right {100 * rows['nearest_row']:.0f} %, from it {rows['from_row_mean_m']:.2f} m")
+
+
+def vineyard_rows(lab, seeds):
+    """Riseholme by its surveyed rows, beside the published figures of its own authors."""
+    log, source = lab.recording("riseholme_run_1")
+    figures = {}
+    for key, changes in {"dead": {"pose.mode": "odometry", "pose.motion": "scans"}, "wheels": {"pose.mode": "slam"},
+                         "scans": {"pose.mode": "slam", "pose.motion": "scans"}}.items():
+        folder = lab.map(log, lab.rig(VINEYARD, changes), "--quiet")
+        figures[key] = in_rows(lab.path(folder, source / "poses.csv", "--align", "--rows", source / "truth.csv"))
+    return figures
+
+
 def into_track(folder, poses):
     """From a map's frame into that of a recording's poses.csv, by the rigid motion that fits both paths best."""
     own, track = ({row["utime_us"]: complex(row["x_m"], row["y_m"]) for row in rows_of(path)}

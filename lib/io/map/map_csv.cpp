@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <utility>
@@ -107,6 +109,17 @@ std::string tum_line(const pose::PoseEstimate& pose) {
 }
 
 }  // namespace
+
+bool is_map(const std::string& path) {
+  constexpr std::string_view kBegin = "id,class,";
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(kBegin.size(), '\0');
+  // A folder opens, but cannot be read.
+  if (!file.read(begin.data(), static_cast<std::streamsize>(begin.size()))) {
+    return !file.is_open() || std::filesystem::is_directory(path);
+  }
+  return begin == kBegin || begin.rfind("\x1f\x8b", 0) == 0;
+}
 
 std::string map_csv(const std::vector<Landmark>& landmarks) {
   std::string text =

@@ -14,6 +14,10 @@ namespace orchard::io {
 /// map.csv as text: the columns listed in README.md, with fixed number formats.
 std::string map_csv(const std::vector<mapping::Landmark>& landmarks);
 
+/// Whether a path is to be read as a map of this program: a folder, a file whose header begins like
+/// that of a map.csv, a compressed one, and what cannot be opened; any other file is a survey.
+bool is_map(const std::string& path);
+
 /// Reads a map.csv (plain or .gz). The covariance, which the file lacks, is set to 0. Throws
 /// FileError naming file, line and column of the first error, including a repeated id.
 std::vector<mapping::Landmark> read_map_csv(const std::string& path);

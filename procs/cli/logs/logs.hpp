@@ -133,6 +133,7 @@ struct EvaluateOptions {
 struct EvaluateTrajectoryOptions {
   std::string trajectory_path;  ///< a trajectory.csv, or the folder that holds one
   std::string truth_path;
+  std::string rows_path;  ///< map or survey of the rows, in the truth's frame; empty: none
   bool align = false;
   bool align_origin = false;
   bool nearest = false;
@@ -141,8 +142,8 @@ struct EvaluateTrajectoryOptions {
   bool json = false;
 };
 
-/// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when no poses
-/// could be compared. Throws io::FileError for missing or invalid files.
+/// Prints absolute and relative errors as evo computes them, and those across the rows; returns the
+/// exit code: 1 when no poses could be compared. Throws io::FileError for missing or invalid files.
 [[gnu::weak]] int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options);
 
 }  // namespace orchard::cli

@@ -110,6 +110,73 @@ TEST_F(EvaluateTrajectoryCommand, TakesATruthOfPositionsWithGaps) {
   EXPECT_EQ(nlohmann::json::parse(evaluate({"--gap", "10", "--json"}).out)["num_in_gaps"], 0);
 }
 
+/// Two rows along the first column, at the given places of the second; with 0 between them the
+/// truth drives in their middle.
+std::string two_rows(const std::string& header, const std::string& one, const std::string& other) {
+  std::string csv = header + "\n";
+  for (int i = 0; i < 40; ++i) {
+    csv += std::to_string(i / 2) + "," + (i % 2 == 0 ? one : other) + "\n";
+  }
+  return csv;
+}
+
+TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfASurvey) {
+  std::string estimate = "utime_us,x_m,y_m,yaw_rad\n";
+  for (int i = 0; i < 20; ++i) {
+    estimate +=
+        std::to_string(1000000 * i) + "," + std::to_string(i) + (i < 5 ? ",3,0\n" : ",0.5,0\n");
+  }
+  write_file(path("trajectory.csv"), estimate);
+  write_file(path("survey.csv"), two_rows("x_m,y_m", "-2", "2"));
+  const auto json =
+      nlohmann::json::parse(evaluate({"--rows", path("survey.csv"), "--json"}).out)["rows"];
+  EXPECT_EQ(json["num_rows"], 2);
+  EXPECT_EQ(json["right_alley"], 0.75);
+  EXPECT_NEAR(json["cross_track_median_m"].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(json["wrong_longest_s"].get<double>(), 4.0, 1e-6);
+  const Result said = evaluate({"--rows", path("survey.csv")});
+  EXPECT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("right alley: 75.0 % of them"));
+}
+
+TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfAMap) {
+  std::string map = kMapHeader;
+  for (int i = 0; i < 40; ++i) {
+    map += std::to_string(i + 1) + ",tree," + std::to_string(i / 2) +
+           (i % 2 == 0 ? ",-2," : ",2,") + "5,0.9,0.99,0.004,0.006,0.09," +
+           std::to_string(i % 2 + 1) + "," + std::to_string(i / 2 + 1) + "\n";
+  }
+  write_file(path("map.csv"), map);
+  const auto json =
+      nlohmann::json::parse(evaluate({"--align", "--rows", path("map.csv"), "--json"}).out)["rows"];
+  EXPECT_EQ(json["num_in_alleys"], 20);
+  EXPECT_EQ(json["right_alley"], 1.0);
+}
+
+TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrongWithRows) {
+  const auto refused = [&](const std::string& why) {
+    const Result result = evaluate({"--rows", path("rows.csv")});
+    EXPECT_EQ(result.exit_code, 3) << result.out;
+    EXPECT_THAT(result.err, HasSubstr(why));
+  };
+  refused("rows.csv");  // there is none
+  write_file(path("rows.csv"),
+             std::string(kMapHeader) + "1,tree,1,2,5,0.9,0.99,0.004,0.006,0.09,,\n");
+  refused("fewer than two rows");
+  write_file(path("rows.csv"), "name,kind\nv1,vine\n");
+  refused("no columns with positions");
+  write_file(path("rows.csv"), "x_m,y_m\n1,nan\n");
+  refused("feature 1");
+  write_file(path("rows.csv"), two_rows("x_m,y_m", "98", "102"));  // elsewhere
+  refused("in one frame, in metres, x and y in this order");
+  std::string degrees = "lat,lon\n";
+  for (int i = 0; i < 40; ++i) {
+    degrees += "53.000" + std::to_string(10 + i / 2) + (i % 2 == 0 ? ",5.00000\n" : ",5.00006\n");
+  }
+  write_file(path("rows.csv"), degrees);
+  refused("is in degrees");
+}
+
 TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   const auto refused = [&](const std::string& why) {
     const Result result = evaluate();

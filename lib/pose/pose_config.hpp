@@ -80,6 +80,7 @@ struct PriorMapConfig {
   static constexpr double kStartYawSd_rad = 0.1;
 
   int min_observations = 2;
+  double survey_sd_m = 0.1;
   static constexpr double kLandmarkSd_m = 0.05;  ///< to its neighbours; physical: bark, growth
   double width_sd_m = 0.01;
   double observation_sd_m = 0.02;
@@ -95,7 +96,12 @@ struct PriorMapConfig {
 
 template <class Visitor>
 void describe(Visitor& v, PriorMapConfig& c) {
-  v.text("map_file", c.map_file, "map.csv of an earlier drive, or its folder");
+  v.text("map_file", c.map_file,
+         "map.csv of an earlier drive, or its folder; or a survey of trunks and posts as points "
+         "(CSV, GeoJSON ...)");
+  v.number("survey_sd_m", c.survey_sd_m, 0.001, 5, "m",
+           "standard deviation of the place of a surveyed trunk where the laser sees it, if the "
+           "survey does not state it (column sd_m)");
   v.expert().choice("start", c.start, {"global", "given"},
                     "start pose: found by recognising the trunks, or given by start_x_m, "
                     "start_y_m, start_yaw_rad");

@@ -328,6 +328,8 @@ void add_plan(CLI::App& app, Run& run) {
       "  orchard plan rows.shp --spacing 3.0 --map out/drive\n"
       "  orchard plan block.kml --map out/drive --out out/named    (map with the plan's numbers)\n"
       "  orchard plan grid.yaml --map out/drive --json\n"
+      "  orchard plan survey.csv --crs EPSG:27700 --csv > survey_m.csv      (for "
+      "pose.prior_map)\n"
       "Input: GeoPackage, Shapefile, GeoJSON, KML, DXF or CSV in any coordinate system, with\n"
       "trees as points or rows as lines; or YAML of a regular grid (rows, trees, row_spacing_m,\n"
       "tree_spacing_m, corner_deg, bearing_deg, rows_to, first_row, first_tree). Output: per row\n"
@@ -342,7 +344,18 @@ void add_plan(CLI::App& app, Run& run) {
                   "file for the plan");
         add_plan_options(command, o.file, o.match);
         add_alignment_options(command, o.match.alignment);
-        command.add_flag("--json", o.json, "print JSON, with lengths in metres");
+        auto* json = command.add_flag("--json", o.json, "print JSON, with lengths in metres");
+        auto* csv = command
+                        .add_flag("--csv", o.csv,
+                                  "print all points, also those in no row: x_m,y_m,sd_m,row,tree, "
+                                  "x east, y north from --datum, else from their middle")
+                        ->excludes("--map", "--out")
+                        ->excludes(json);
+        add_value(command, "--datum", o.datum_deg, "LAT LON",
+                  "origin of --csv, for points in degrees [degrees]")
+            ->expected(2)
+            ->check(CLI::Range(-180.0, 180.0))
+            ->needs(csv);
       });
 }
 

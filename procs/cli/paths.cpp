@@ -4,21 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <system_error>
 
-#include "io/file_error.hpp"
 #include "io/folder.hpp"
 
 namespace orchard::cli {
-
-std::string program_folder() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error)
-    throw io::FileError(
-        "the folder of orchard's programs cannot be determined: /proc/self/exe cannot be read");
-  return self.parent_path().string();
-}
 
 void make_parent_folder(const std::string& file_path) {
   const std::filesystem::path folder = std::filesystem::path(file_path).parent_path();

@@ -6,9 +6,6 @@
 
 namespace orchard::cli {
 
-/// The folder of this program and its companion programs. Throws io::FileError.
-std::string program_folder();
-
 /// Makes the parent folder of a file if it is missing. Does nothing for an empty path. Throws
 /// io::FileError.
 void make_parent_folder(const std::string& file_path);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/add_command.hpp"
-#include "cli/paths.hpp"
+#include "io/companion.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::cli {
@@ -59,7 +59,7 @@ const char* program_of(const CLI::App& command) {
 }
 
 int replace_by_program(const char* program) {
-  const std::string path = program_folder() + "/" + program;
+  const std::string path = io::program_folder() + "/" + program;
   std::string words = own_command_line();
   std::vector<char*> arguments;
   for (std::size_t begin = 0, end; (end = words.find('\0', begin)) != words.npos; begin = end + 1) {

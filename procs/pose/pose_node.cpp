@@ -64,7 +64,7 @@ PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocato
       queue_(rules_of(waits_s_)),
       make_localiser_([config, memory = std::move(memory),
                        prior_map = config.pose.mode == pose::PoseMode::kPriorMap
-                                       ? io::read_prior_map(config.pose.prior_map)
+                                       ? io::read_prior_map(config.pose)
                                        : pose::PriorMapData{}] {
         return pose::make_localiser(config.pose, prior_map, config.laser,
                                     config.detector.segmentation.blind_sector(), memory);

@@ -20,6 +20,7 @@
 #include "io/config/config_yaml.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/gdal_errors.hpp"
+#include "io/gis/survey_file.hpp"
 #include "mapping/plan/orchard_plan.hpp"
 #include "text/number_text.hpp"
 
@@ -34,6 +35,7 @@ struct PlanFeature {
   /// Longitude and latitude [degrees], or coordinates in the file's metric system; one point for a
   /// tree, several for a line.
   std::vector<Eigen::Vector2d> points;
+  double sd_m = 0.0;  ///< of a tree's place; 0: not stated
 };
 
 struct PlanFeatures {
@@ -44,7 +46,6 @@ struct PlanFeatures {
   std::vector<std::string> notes;
 };
 
-constexpr double kFarthest_m = 20000.0;  ///< from the middle of one block
 constexpr double kLocalMax_m = 100000.0;
 
 /// Middle of the bounding box of all points. For a block across the date line it is far away, which
@@ -62,34 +63,35 @@ Vector2d middle_of(const PlanFeatures& features) {
   return 0.5 * (low + high);
 }
 
-/// Converts degrees to metres about the middle. Throws FileError for points too far from it.
-void to_metres(PlanFeatures& features, StoredPlan& stored) {
+/// Converts degrees to metres about the middle; returns this georeference. Throws FileError for
+/// points too far from it.
+std::optional<geometry::Georeference> to_metres(PlanFeatures& features, const std::string& name) {
   const Vector2d middle = middle_of(features);
+  std::optional<geometry::Georeference> georeference;
   if (features.is_geographic) {
-    geometry::Georeference g;
-    g.longitude_deg = middle.x();
-    g.latitude_deg = middle.y();
-    stored.georeference = g;
+    georeference.emplace();
+    georeference->longitude_deg = middle.x();
+    georeference->latitude_deg = middle.y();
   }
   for (auto* list : {&features.trees, &features.lines}) {
     for (PlanFeature& f : *list) {
       for (Vector2d& p : f.points) {
-        if (stored.georeference) p = geometry::map_of(*stored.georeference, {p.y(), p.x()});
-        const Vector2d from_middle = stored.georeference ? p : Vector2d(p - middle);
-        if (from_middle.norm() > kFarthest_m) {
-          throw FileError(stored.name + ": row " + f.row + " is " +
+        if (georeference) p = geometry::map_of(*georeference, {p.y(), p.x()});
+        const Vector2d from_middle = georeference ? p : Vector2d(p - middle);
+        if (from_middle.norm() > kFarthestInBlock_m) {
+          throw FileError(name + ": row " + f.row + " is " +
                           fixed_text(1e-3 * from_middle.norm(), 0) +
                           " km from the middle of the plan; check its coordinate system (--crs)");
         }
-        if (!stored.georeference && p.cwiseAbs().maxCoeff() > kLocalMax_m) {
-          throw FileError(stored.name + ": x " + fixed_text(p.x(), 1) + ", y " +
-                          fixed_text(p.y(), 1) +
+        if (!georeference && p.cwiseAbs().maxCoeff() > kLocalMax_m) {
+          throw FileError(name + ": x " + fixed_text(p.x(), 1) + ", y " + fixed_text(p.y(), 1) +
                           " are coordinates of a national or UTM system that the file does not "
                           "name; give it, for example --crs EPSG:25830");
         }
       }
     }
   }
+  return georeference;
 }
 
 mapping::BuiltPlan built(PlanFeatures features, const PlanFileOptions& options,
@@ -131,6 +133,7 @@ constexpr std::size_t kNumFeaturesMax = 2000000;
 constexpr std::size_t kNumPointsMax = 100000;  ///< per line
 constexpr std::size_t kLongestName = 64;
 constexpr double kWidestCrown_m = 15.0;  ///< a closed line up to this width is a tree
+constexpr double kSdMax_m = 10.0;        ///< worse places cannot tell trees apart
 
 // Common column names, most likely first.
 constexpr std::array kRowFields{"row",  "row_name", "row_number", "rowname", "row_id", "row_no",
@@ -140,6 +143,7 @@ constexpr std::array kTreeFields{"tree",   "tree_name", "tree_number", "position
 constexpr std::array kLineNameFields{"name", "nombre", "id"};
 constexpr std::array kLongitudeFields{"longitude_deg", "longitude", "lon", "lng", "long"};
 constexpr std::array kLatitudeFields{"latitude_deg", "latitude", "lat"};
+constexpr std::array kSdFields{"sd_m", "accuracy_m", "horizontal_accuracy_m", "h_acc_m", "hrms_m"};
 constexpr std::array kXFields{"x_m", "x", "easting", "east", "utm_e"};
 constexpr std::array kYFields{"y_m", "y", "northing", "north", "utm_n"};
 
@@ -247,6 +251,7 @@ class PlanFeatureReader {
     };
     int row_field = chosen(options_.row_field, kRowFields);
     const int tree_field = chosen(options_.tree_field, kTreeFields);
+    const int sd_field = field_of(definition, kSdFields);
     const int name_field = field_of(definition, kLineNameFields);
     const int longitude = field_of(definition, kLongitudeFields);
     const int latitude = field_of(definition, kLatitudeFields);
@@ -277,6 +282,13 @@ class PlanFeatureReader {
       f.row = name_of(*feature, row_field);
       if (f.row.empty() && row_field < 0 && is_folder) f.row = layer.GetName();
       f.tree = name_of(*feature, tree_field);
+      if (sd_field >= 0 && !name_of(*feature, sd_field).empty()) {
+        f.sd_m = number_of(*feature, sd_field);
+        if (!(f.sd_m > 0.0 && f.sd_m <= kSdMax_m)) {
+          throw FileError(at_ + ": its accuracy must be above 0 and at most " +
+                          fixed_text(kSdMax_m, 0) + " m");
+        }
+      }
       if (is_table) {
         const Vector2d p(number_of(*feature, has_degrees ? longitude : x),
                          number_of(*feature, has_degrees ? latitude : y));
@@ -499,24 +511,42 @@ PlanFeatures read_plan_grid(const std::string& path) {
   return features;
 }
 
-/// Reads the trees and rows of a file through GDAL. Throws FileError.
-PlanFeatures read_plan_features(const std::string& path, const PlanFileOptions& options) {
-  return PlanFeatureReader(path, options).read();
-}
-
-}  // namespace
-
-StoredPlan read_plan(const std::string& path, const PlanFileOptions& options) {
+/// Reads the trees and rows of a file, through GDAL if it is not YAML. Throws FileError.
+PlanFeatures read_features(const std::string& path, const PlanFileOptions& options) {
   if (!std::filesystem::is_regular_file(path)) {
     throw FileError(path + (std::filesystem::exists(path) ? " is not a file" : " does not exist") +
                     "; give a plan (GeoPackage, Shapefile, GeoJSON, KML, DXF, CSV, or YAML)");
   }
-  PlanFeatures features = is_yaml(path) ? read_plan_grid(path) : read_plan_features(path, options);
+  return is_yaml(path) ? read_plan_grid(path) : PlanFeatureReader(path, options).read();
+}
+
+}  // namespace
+
+StoredSurvey read_survey(const std::string& path, const PlanFileOptions& options) {
+  StoredSurvey survey;
+  survey.name = path;
+  PlanFeatures features = read_features(path, options);
+  if (features.trees.empty() || !features.lines.empty()) {
+    throw FileError(path +
+                    (features.trees.empty() ? " has no points" : " has lines beside points") +
+                    "; a survey has one point for each trunk or post");
+  }
+  survey.georeference = to_metres(features, path);
+  survey.notes = std::move(features.notes);
+  for (PlanFeature& f : features.trees) {
+    survey.points.push_back({std::move(f.row), std::move(f.tree), f.points.front(), f.sd_m});
+  }
+  require_apart(survey);
+  return survey;
+}
+
+StoredPlan read_plan(const std::string& path, const PlanFileOptions& options) {
+  PlanFeatures features = read_features(path, options);
   StoredPlan stored;
   stored.name = path;
   stored.format = features.format;
   stored.crs = features.crs;
-  to_metres(features, stored);
+  stored.georeference = to_metres(features, path);
   mapping::BuiltPlan plan = built(std::move(features), options, path);
   if (!plan.problems.empty()) {
     std::string text;

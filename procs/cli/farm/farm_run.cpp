@@ -27,8 +27,8 @@
 
 #include "bus/process/process.hpp"
 #include "cli/farm/farm_folder.hpp"
-#include "cli/paths.hpp"
 #include "io/atomic_file.hpp"
+#include "io/companion.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/progress_bar.hpp"
@@ -493,7 +493,7 @@ int run_farm_run(const FarmRunOptions& options) {
   if (num_to_make > 0) {
     std::vector<std::string> command{
         "snakemake", "--snakefile", "Snakefile", "--profile",
-        profile,     "--nolock",    "--config",  "orchard=" + program_folder() + "/orchard"};
+        profile,     "--nolock",    "--config",  "orchard=" + io::program_folder() + "/orchard"};
     if (options.profile == "local") {
       const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
                                                : std::max(1U, std::thread::hardware_concurrency());

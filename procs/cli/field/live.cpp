@@ -37,6 +37,7 @@
 #include "bus/process/process.hpp"
 #include "cli/field/status_board.hpp"
 #include "cli/paths.hpp"
+#include "io/companion.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
@@ -490,7 +491,7 @@ int run_live(const LiveOptions& given) {
   const io::Config config = io::load_config(options.config_path);
   if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
   options.viewer_address = viewer_address();
-  const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
+  const std::vector<ChildPlan> plans = plan_launch(options, config, io::program_folder());
   io::make_folder(options.out_folder + "/logs", "choose another folder with --out");
   const std::string url = field_url(options.lcm_url, options.config_path);
 

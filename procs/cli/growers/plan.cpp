@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "bus/process/process.hpp"
 #include "cli/maps/maps.hpp"
@@ -12,6 +13,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/plan_report.hpp"
+#include "io/gis/survey_file.hpp"
 #include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::cli {
@@ -207,7 +209,28 @@ int look_at(const io::StoredPlan& plan, const PlanOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// Prints the points as they are, without looking for rows.
+int print_points(const PlanOptions& options) {
+  io::StoredSurvey survey = io::read_survey(options.plan_path, options.file);
+  for (const std::string& note : survey.notes) {
+    std::fprintf(stderr, "orchard plan: note: %s\n", note.c_str());
+  }
+  if (!options.datum_deg.empty()) {
+    geometry::Georeference datum;
+    datum.latitude_deg = options.datum_deg[0];
+    datum.longitude_deg = options.datum_deg[1];
+    survey = io::survey_about(std::move(survey), datum);
+  }
+  std::fputs(io::survey_csv(survey).c_str(), stdout);
+  return bus::kExitOk;
+}
+
+}  // namespace
+
 int run_plan(const PlanOptions& options) {
+  if (options.csv) return print_points(options);
   const io::StoredPlan plan = io::read_plan(options.plan_path, options.file);
   for (const std::string& note : plan.notes) {
     std::fprintf(stderr, "orchard plan: note: %s\n", note.c_str());

@@ -142,6 +142,8 @@ struct PlanOptions {
   std::string out_path;  ///< with a map a map folder, else a GeoJSON file; empty: only prints
   mapping::PlanMatchConfig match;
   bool json = false;
+  bool csv = false;               ///< prints the points, as a survey, instead
+  std::vector<double> datum_deg;  ///< with csv: latitude, longitude; empty: amid the points
 };
 
 /// Reads a grower's plan and prints its content; with a map, registers the plan to it and prints

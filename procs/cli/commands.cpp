@@ -94,13 +94,48 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
       });
 }
 
+void add_localisation(CLI::App& evaluate, Run& run) {
+  add_command<EvaluateLocalisationOptions>(
+      evaluate, run, "localisation",
+      "Locate a drive in a map as if it had no satellite receiver, and compare with its fixes",
+      "  orchard evaluate localisation drive.lcm --map out/spring\n"
+      "  orchard evaluate localisation drive.lcm --map survey.geojson --truth rtk.csv \\\n"
+      "      --config my_robot.yaml --out out/shadow\n"
+      "Runs pose.mode prior_map beside the truth, which it does not use: how long and how far the\n"
+      "robot could have driven by it within 0.1, 0.3 and 0.5 m, when it was LOST or AMBIGUOUS, "
+      "when\n"
+      "it was wrong without a warning, and whether its claimed errors are true. Nothing is\n"
+      "aligned: the truth must be in the frame of the map.\n",
+      run_evaluate_localisation, [](CLI::App& command, EvaluateLocalisationOptions& o) {
+        add_required(command, "log", o.log_paths, "LOG...", "a log, or the parts of a split log");
+        add_value(
+            command, "--map", o.map_path, "FOLDER|FILE",
+            "map folder, map.csv or survey to locate in [pose.prior_map.map_file of the rig]");
+        add_value(command, "--config", o.config_path, "FILE",
+                  "rig to use instead of the one in the log");
+        add_value(command, "--truth", o.truth_path, "CSV",
+                  "true poses: utime_us,x_m,y_m and optionally yaw_rad [POSE_FIX of the log]");
+        add_limited(command, "--truth-sd", o.truth_sd_m, 0.0, 10.0,
+                    "standard deviation of the true positions [m]");
+        command.add_flag("--start-known", o.start_known,
+                         "start at the first true pose, like a robot that leaves its dock, instead "
+                         "of searching the whole map");
+        add_value(command, "--out", o.out_folder, "DIR",
+                  "folder for localisation.csv, localisation.png (error and claim over time) and "
+                  "trajectory.csv");
+        command.add_flag("--quiet", o.quiet, "no progress bar");
+        command.add_flag("--json", o.json, "print JSON, in metres, seconds and radians");
+      });
+}
+
 void add_evaluate(CLI::App& app, Run& run) {
   const char* examples =
       "  orchard evaluate out/drive --truth truth.csv        (short for evaluate map)\n"
       "  orchard evaluate map out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
       "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n"
       "  orchard evaluate map out/drive --truth truth.csv --poses poses.csv --align\n"
-      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n";
+      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
+      "  orchard evaluate localisation drive.lcm --map out/spring\n";
   CLI::App& evaluate =
       add_subcommand(app, "evaluate", "Compare a map or a trajectory with the truth", examples);
   const auto options = std::make_shared<EvaluateOptions>();
@@ -117,6 +152,7 @@ void add_evaluate(CLI::App& app, Run& run) {
       run_evaluate,
       [](CLI::App& command, EvaluateOptions& o) { add_map_options(command, o, true); });
   add_trajectory(evaluate, run);
+  add_localisation(evaluate, run);
 }
 
 void add_rig(CLI::App& command, std::string& config_path) {

@@ -26,6 +26,7 @@ constexpr Place kElsewhere[] = {
     {"orchard log mcap", "orchard-import"},
     {"orchard compare", "orchard-maps"},  // finished maps
     {"orchard edit", "orchard-maps"},
+    {"orchard evaluate localisation", "orchard-maps"},
     {"orchard evaluate trajectory", "orchard-maps"},  // reads surveys
     {"orchard export", "orchard-maps"},
     {"orchard farm", "orchard-maps"},

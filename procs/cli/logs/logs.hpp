@@ -146,4 +146,21 @@ struct EvaluateTrajectoryOptions {
 /// exit code: 1 when no poses could be compared. Throws io::FileError for missing or invalid files.
 [[gnu::weak]] int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options);
 
+/// `orchard evaluate localisation LOG --map MAP`.
+struct EvaluateLocalisationOptions {
+  std::vector<std::string> log_paths;
+  std::string map_path;     ///< map folder, map.csv or survey; empty: the rig's own prior map
+  std::string config_path;  ///< empty: the rig stored in the log
+  std::string truth_path;   ///< track in the map's frame; empty: POSE_FIX of the log
+  double truth_sd_m = 0.02;
+  bool start_known = false;  ///< starts at the first true pose instead of searching the whole map
+  std::string out_folder;  ///< empty: only prints
+  bool quiet = false;
+  bool json = false;
+};
+
+/// Locates a drive in a map without its fixes, and prints how far it could have been driven so;
+/// returns the exit code. Throws io::FileError and io::ConfigError.
+[[gnu::weak]] int run_evaluate_localisation(const EvaluateLocalisationOptions& options);
+
 }  // namespace orchard::cli

@@ -783,6 +783,23 @@ def vineyard_rows(lab, seeds):
                          "scans": {"pose.mode": "slam", "pose.motion": "scans"}}.items():
         folder = lab.map(log, lab.rig(VINEYARD, changes), "--quiet")
         figures[key] = in_rows(lab.path(folder, source / "poses.csv", "--align", "--rows", source / "truth.csv"))
+    for key, motion, start in (("search", "scans", []), ("start", "scans", ["--start-known"]), ("start_wheels", "wheels", ["--start-known"])):
+        rig = lab.rig(VINEYARD, {"pose.motion": motion})
+        survey = source / "truth.csv"
+
+        def locate(made, rig=rig, start=start):
+            said = lab.orchard("evaluate", "localisation", log / "drive.lcm", "--map", survey, "--config", lab.rig_file(rig), *start,
+                               "--out", made, "--json")
+            (made / "said.json").write_text(said)
+
+        made = lab.made("shadow", {"program": lab.digest("orchard"), "log": log.name, "rig": rig, "start": start}, locate)
+        run = json.loads((made / "said.json").read_text())
+        figures[key] = f"with a pose {100 * run['placed_time_share']:.0f} % of the time, LOST {run['lost_s']:.0f} s, " \
+                       f"AMBIGUOUS {run['ambiguous_s']:.0f} s, wrong without a warning {run['wrong_s']:.0f} s"
+        if run["placed_time_share"]:
+            near, _, far = run["within"]
+            figures[key] += f"; within 0.1 m {100 * near['time_share']:.0f} %, 0.5 m {100 * far['time_share']:.0f} %, NEES {run['nees']:.0f}; " \
+                + in_rows(lab.path(made, source / "poses.csv", "--rows", survey))
     return figures
 
 

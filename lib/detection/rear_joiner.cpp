@@ -82,7 +82,6 @@ std::vector<Detections> RearJoiner::add_rear(Detections detections) {
 }
 
 std::vector<Detections> RearJoiner::add(const Motion& motion) {
-  if (queue_.is_clock_set_back(kMotion, motion.utime)) motions_.clear();
   queue_.reach(kMotion, motion.utime);
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), motion.utime,

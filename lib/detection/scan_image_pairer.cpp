@@ -31,25 +31,15 @@ ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_mo
       with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
-  std::vector<ScanImagePair> pairs;
-  if (scans_.is_clock_set_back(kScan, scan.utime)) {
-    // Earlier scans have times of the old clock; no later message would release them.
-    pairs = flush();
-    newest_scan_utime_ = timed_out_scan_utime_ = Queue::kNever;
-    images_.clear();
-    motions_.clear();
-  }
-  // If the clock was set back a little, queue the scan at the newest time to keep the order.
-  newest_scan_utime_ = std::max(newest_scan_utime_, scan.utime);
-  scans_.push(kScan, newest_scan_utime_, std::move(scan));
-  for (ScanImagePair& pair : release()) pairs.push_back(std::move(pair));
+  const std::int64_t scan_utime = scan.utime;
+  scans_.push(kScan, scan_utime, std::move(scan));
+  std::vector<ScanImagePair> pairs = release();
   while (scans_.size(kScan) > kMaxScans) pairs.push_back(pair_front(true));
   return pairs;
 }
 
 std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
   const std::int64_t exposure_utime = image.utime - delay_us_;
-  if (scans_.is_clock_set_back(kImage, exposure_utime)) images_.clear();
   scans_.reach(kImage, exposure_utime);
   if (timed_out_scan_utime_ != Queue::kNever &&
       exposure_utime <= timed_out_scan_utime_ + tolerance_us_) {
@@ -66,7 +56,6 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
 
 std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
   if (!with_motion_) return {};
-  if (scans_.is_clock_set_back(kMotion, motion.utime)) motions_.clear();
   scans_.reach(kMotion, motion.utime);
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), motion.utime,
@@ -143,11 +132,11 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
 }
 
 void ScanImagePairer::forget_old() {
-  // Scans may lag behind the images by as much as images may lag behind the scans.
-  const std::int64_t newest_utime = scans_.message_time();
-  const std::int64_t oldest_scan_utime =
-      scans_.is_empty(kScan) ? newest_utime : std::min(newest_utime, scans_.front(kScan).utime);
-  const std::int64_t horizon = oldest_scan_utime - wait_us_ - tolerance_us_;
+  // Of the scans to come none is earlier than the last one.
+  const std::int64_t oldest_scan_utime = scans_.is_empty(kScan)
+                                             ? std::max<std::int64_t>(scans_.reached(kScan), 0)
+                                             : scans_.front_utime(kScan);
+  const std::int64_t horizon = oldest_scan_utime - tolerance_us_;
   while (!images_.empty() && (images_.front().utime < horizon || images_.size() > kMaxImages)) {
     images_.pop_front();
   }

@@ -27,8 +27,7 @@ struct ScanImagePair {
 /// A scan is released when an image at or after it has arrived (and, with motions, a motion at or
 /// after that image), or when any message is later by more than the wait. The pairs are therefore
 /// independent of the order of the channels, as long as none is delayed by more than the wait. Time
-/// is message time. If the time of a channel falls by more than a minute, its clock was set back,
-/// and its earlier messages are released or dropped. The number of stored messages is bounded.
+/// is message time. The number of stored messages is bounded.
 class ScanImagePairer {
  public:
   /// `with_motion`: pairs wait for motions, too. `delay_s`: camera.delay_s.
@@ -69,9 +68,8 @@ class ScanImagePairer {
   std::int64_t tolerance_us_;
   std::int64_t wait_us_;
   std::int64_t delay_us_;
-  Queue scans_;                                     ///< waiting, in order of arrival
-  std::int64_t newest_scan_utime_ = Queue::kNever;  ///< of those that have come
-  std::deque<Exposed> images_;                      ///< kept, in order of exposure
+  Queue scans_;                 ///< waiting, in order of utime
+  std::deque<Exposed> images_;  ///< kept, in order of exposure
   /// Time of the newest scan released by timeout, before an image at or after it had arrived.
   std::int64_t timed_out_scan_utime_ = Queue::kNever;
   std::int64_t num_late_ = 0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "timing/drive_time.hpp"
+
 namespace orchard::pose {
 
 std::vector<TrajectoryPage> paginate(const Trajectory& trajectory, std::size_t poses_per_page) {
@@ -24,6 +26,25 @@ std::vector<TrajectoryPage> paginate(const Trajectory& trajectory, std::size_t p
   return pages;
 }
 
+namespace {
+
+/// Times ascend up to that of the trajectory, so they are of an earlier epoch before each place
+/// where they fall. Poses of before the first epoch that this process knows are left out.
+void put_in_epochs(Trajectory& trajectory) {
+  std::vector<PoseEstimate>& poses = trajectory.poses;
+  std::int64_t after = trajectory.utime + 1;
+  auto first = poses.end();
+  for (; first != poses.begin(); --first) {
+    std::int64_t& utime = (first - 1)->utime;
+    while (utime >= after) utime -= timing::kEpoch_us;
+    if (utime < 0) break;
+    after = utime;
+  }
+  poses.erase(poses.begin(), first);
+}
+
+}  // namespace
+
 std::optional<Trajectory> TrajectoryCollector::add(const TrajectoryPage& page) {
   const bool goes_on =
       next_page_ > 0 && page.revision == partial_.revision && page.page == next_page_;
@@ -36,17 +57,11 @@ std::optional<Trajectory> TrajectoryCollector::add(const TrajectoryPage& page) {
     partial_ = {page.utime, page.revision, {}};
     if (page.page != 0) return std::nullopt;
   }
-  // Validation of single pages cannot check that times ascend across pages.
-  if (!partial_.poses.empty() && !page.poses.empty() &&
-      page.poses.front().utime <= partial_.poses.back().utime) {
-    ++num_incomplete_;
-    next_page_ = 0;
-    return std::nullopt;
-  }
   partial_.poses.insert(partial_.poses.end(), page.poses.begin(), page.poses.end());
   next_page_ = page.page + 1;
   if (next_page_ < page.num_pages) return std::nullopt;
   next_page_ = 0;
+  put_in_epochs(partial_);
   return std::exchange(partial_, {});
 }
 

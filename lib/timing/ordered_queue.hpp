@@ -32,22 +32,15 @@ class OrderedQueue {
 
   explicit OrderedQueue(const Rules& rules) : rules_(rules) { reached_.fill(kNever); }
 
-  /// An item more than this much older than the newest of its kind is not late: its clock was set
-  /// back.
-  static constexpr std::int64_t kClockSet_us = 60'000'000;
-
-  /// True if an item of this time shows that the clock of its kind was set back.
-  bool is_clock_set_back(std::size_t kind, std::int64_t utime) const {
-    return reached_[kind] != kNever && reached_[kind] - utime > kClockSet_us;
-  }
-
   /// Records the time of an arrival without queueing it.
   void reach(std::size_t kind, std::int64_t utime) {
-    const bool set_back = is_clock_set_back(kind, utime);
-    reached_[kind] = set_back ? utime : std::max(reached_[kind], utime);
-    if (!rules_[kind].tells_time) return;
-    if (set_back) message_time_ = newest_time();
-    message_time_ = std::max(message_time_, utime);
+    reached_[kind] = std::max(reached_[kind], utime);
+    if (!rules_[kind].tells_time || utime <= message_time_) return;
+    if (message_time_ != kNever && utime - message_time_ > kLeap_us) {
+      before_leap_ = message_time_;
+      leap_us_ = utime - message_time_;
+    }
+    message_time_ = utime;
   }
   /// The newest time of a kind; kNever before its first.
   std::int64_t reached(std::size_t kind) const { return reached_[kind]; }
@@ -104,7 +97,7 @@ class OrderedQueue {
     for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
       const std::optional<std::int64_t>& wait_us = rules_[kind].wait_us;
       if (!wait_us || reached_[kind] >= needed_utime(kind)) continue;
-      if (message_time_ - utime <= *wait_us) return kind;
+      if (waited_us(utime) <= *wait_us) return kind;
     }
     return std::nullopt;
   }
@@ -128,12 +121,13 @@ class OrderedQueue {
   }
 
  private:
-  std::int64_t newest_time() const {
-    std::int64_t newest = kNever;
-    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
-      if (rules_[kind].tells_time) newest = std::max(newest, reached_[kind]);
-    }
-    return newest;
+  /// derived: Longer than any wait. Where message time leaps, a clock was set or no kind was heard:
+  /// nobody has waited meanwhile, and the kinds that have not leapt yet are waited for as before.
+  static constexpr std::int64_t kLeap_us = 60'000'000;
+
+  std::int64_t waited_us(std::int64_t utime) const {
+    const bool is_before = before_leap_ != kNever && utime - before_leap_ < leap_us_ / 2;
+    return message_time_ - utime - (is_before ? leap_us_ : 0);
   }
 
   struct Entry {
@@ -145,6 +139,8 @@ class OrderedQueue {
   std::array<std::deque<Entry>, kNumKinds> queues_;
   std::array<std::int64_t, kNumKinds> reached_;
   std::int64_t message_time_ = kNever;
+  std::int64_t before_leap_ = kNever;  ///< message time before its last leap
+  std::int64_t leap_us_ = 0;
 };
 
 }  // namespace orchard::timing

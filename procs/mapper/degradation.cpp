@@ -9,6 +9,8 @@
 #include "bus/messages/channel.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "timing/drive_time.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -46,7 +48,7 @@ void Degradation::note_scan(std::int64_t utime, std::int64_t image_utime, std::i
   if (image_utime != 0) {
     last_picture_utime_ = utime;
     is_open_ = false;
-  } else if (has_camera_ && utime - *last_picture_utime_ > kWithoutPicture_us) {
+  } else if (has_camera_ && timing::elapsed_us(*last_picture_utime_, utime) > kWithoutPicture_us) {
     if (!is_open_) add(pictures_, *last_picture_utime_, utime);
     is_open_ = true;
     pictures_.back().second = utime;
@@ -55,7 +57,7 @@ void Degradation::note_scan(std::int64_t utime, std::int64_t image_utime, std::i
 
 void Degradation::note_fix(std::int64_t utime) {
   if (!first_fix_utime_) first_fix_utime_ = utime;
-  if (last_fix_utime_ && utime - *last_fix_utime_ > kWithoutFix_us) {
+  if (last_fix_utime_ && timing::elapsed_us(*last_fix_utime_, utime) > kWithoutFix_us) {
     add(fixes_, *last_fix_utime_, utime);
   }
   last_fix_utime_ = utime;
@@ -87,7 +89,8 @@ std::vector<io::DegradedInterval> Degradation::intervals() const {
       span.second = std::min(span.second, last_utime_);
       // Skip intervals in which the robot paused: nothing was mapped.
       if (!has_scan_between(span.first + least_us, span.second)) continue;
-      all.push_back({missing, span.first, span.second, id_at(span.first) + 1, id_at(span.second)});
+      all.push_back({missing, timing::utime_of(span.first), timing::utime_of(span.second),
+                     id_at(span.first) + 1, id_at(span.second)});
     }
   };
   add_spans(name_of(bus::Channel::kImage), pictures_, kWithoutPicture_us);
@@ -111,7 +114,7 @@ std::string Degradation::text() const {
     for (const io::DegradedInterval& interval : intervals()) {
       if (interval.missing != missing) continue;
       ++num;
-      sum_s += 1e-6 * static_cast<double>(interval.last_utime - interval.first_utime);
+      sum_s += timing::seconds(interval.last_utime - interval.first_utime);
       num_new += std::max(0, interval.last_id - interval.first_id + 1);
     }
     if (num == 0) continue;

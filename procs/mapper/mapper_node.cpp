@@ -141,11 +141,9 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   release(send);
 }
 
-// A scan earlier than the last comes from a clock that was set back and is kept.
 bool MapperNode::keeps_beams_of(std::int64_t scan_utime) const {
-  if (last_kept_scan_utime_ == Queue::kNever) return true;
-  const std::int64_t since_us = scan_utime - last_kept_scan_utime_;
-  return since_us < 0 || since_us >= microseconds(config_.existence.period_s);
+  return last_kept_scan_utime_ == Queue::kNever ||
+         scan_utime - last_kept_scan_utime_ >= microseconds(config_.existence.period_s);
 }
 
 void MapperNode::add_scan(const laser::Scan& scan) {
@@ -439,7 +437,7 @@ std::string MapperNode::waiting_for() const {
                : "";
   }
   return fmt::format("DETECTIONS at {:.3f} s wait for {}",
-                     timing::seconds(queue_.front_utime(kDetections)),
+                     timing::seconds(timing::utime_of(queue_.front_utime(kDetections))),
                      blocker() == kScan ? "their SCAN (sent by a laser driver)"
                                         : "a POSE of that time or later (sent by orchard-pose)");
 }
@@ -463,6 +461,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.rows = map.rows;
   content.graph = map.graph;
   content.trajectory = track_.poses();
+  for (pose::PoseEstimate& pose : content.trajectory) pose.utime = timing::utime_of(pose.utime);
   content.summary = summary;
   for (Finding& finding : mapping::findings_of(map.landmarks, config_.rows.enabled)) {
     content.summary.quality.push_back(std::move(finding));

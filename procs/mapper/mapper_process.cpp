@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
+#include <charconv>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/map_folder.hpp"
+#include "timing/drive_time.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -84,8 +86,10 @@ void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& t
 
 namespace {
 
-/// Record kind of a flush; the others are channel numbers.
+/// Record kinds of a flush, and of the epoch of the drive times after it in digits: messages hold
+/// their utime alone. The others are channel numbers.
 constexpr std::uint8_t kFlushRecord = 255;
+constexpr std::uint8_t kEpochRecord = 253;
 
 /// derived: Disk space that the journal leaves for the map's own files.
 constexpr std::uint64_t kReserved_bytes = 4u << 20;
@@ -195,11 +199,18 @@ bool JournaledMapper::take_in(std::uint8_t kind, std::string_view bytes) {
     mapper_->flush(nowhere);
     return true;
   }
+  if (kind == kEpochRecord) {
+    std::from_chars(bytes.data(), bytes.data() + bytes.size(), epoch_);
+    return epoch_ >= 0 && epoch_ < timing::kEpochsMax;
+  }
   const auto channel = static_cast<bus::Channel>(kind);
   if (kind >= bus::kNumChannels || bus::info(channel).role == bus::Role::kService) return false;
-  const auto decoded = bus::decode(channel, bytes.data(), bytes.size());
-  const auto* message = std::get_if<bus::Message>(&decoded);
+  auto decoded = bus::decode(channel, bytes.data(), bytes.size());
+  auto* message = std::get_if<bus::Message>(&decoded);
   if (message == nullptr) return false;
+  const std::int64_t drive_time = epoch_ * timing::kEpoch_us + bus::utime_of(*message);
+  bus::set_drive_time(*message, drive_time);
+  resumed_[channel] = drive_time;
   ++num_replayed_[kind];
   if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) note_pose(*pose);
   mapper_->handle(*message, nowhere);
@@ -219,6 +230,8 @@ void JournaledMapper::begin_new_map(const std::string& why) {
   }
   make_mapper();
   journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), config_hash_, 0);
+  epoch_ = 0;
+  resumed_.clear();
 }
 
 void JournaledMapper::add_note(std::string note) {
@@ -243,6 +256,10 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
       spdlog::info("orchard-pose was restarted; its frame is unchanged, and the map is continued");
     }
     note_pose(*pose);
+  }
+  if (const auto epoch = timing::epoch_of(bus::utime_of(input)); epoch != epoch_) {
+    const std::string digits = std::to_string(epoch_ = epoch);
+    journal_->add(kEpochRecord, digits.data(), digits.size());
   }
   const std::vector<std::uint8_t> bytes = journal_bytes(input);
   journal_->add(static_cast<std::uint8_t>(bus::channel_of(input)), bytes.data(), bytes.size());

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,6 +71,7 @@ class JournaledMapper : public bus::Node {
   void start(const std::function<void()>& on_progress) override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
+  std::map<bus::Channel, std::int64_t> resumed() const override { return resumed_; }
   bus::NodeCounts counts() const override { return mapper_->counts(); }
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
@@ -109,6 +111,8 @@ class JournaledMapper : public bus::Node {
   std::unique_ptr<io::Journal> journal_;  ///< from start() on
   std::function<void(const MapperNode&)> before_new_map_;
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
+  std::int64_t epoch_ = 0;  ///< of the journal's last record
+  std::map<bus::Channel, std::int64_t> resumed_;
   std::optional<pose::PoseEstimate> last_pose_;
   std::vector<std::string> notes_;
 };

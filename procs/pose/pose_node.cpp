@@ -62,14 +62,11 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocator> memory)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(rules_of(waits_s_)),
-      make_localiser_([config, memory = std::move(memory),
-                       prior_map = config.pose.mode == pose::PoseMode::kPriorMap
-                                       ? io::read_prior_map(config.pose)
-                                       : pose::PriorMapData{}] {
-        return pose::make_localiser(config.pose, prior_map, config.laser,
-                                    config.detector.segmentation.blind_sector(), memory);
-      }),
-      localiser_(make_localiser_()),
+      localiser_(pose::make_localiser(
+          config.pose,
+          config.pose.mode == pose::PoseMode::kPriorMap ? io::read_prior_map(config.pose)
+                                                        : pose::PriorMapData{},
+          config.laser, config.detector.segmentation.blind_sector(), std::move(memory))),
       checks_rig_(config.pose.mode != pose::PoseMode::kStationary),
       moves_by_scans_(pose::reads_scans(config.pose)),
       rig_(rig_facts(config)),
@@ -115,7 +112,7 @@ void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
   if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
     if (waits_s_[measurement->index()]) push(*std::move(measurement));
   }
-  while (const auto measurement = queue_.pop()) use(*measurement, send);
+  while (auto measurement = queue_.pop()) use(*std::move(measurement), send);
 }
 
 void PoseNode::check_rig(const bus::Message& input) {
@@ -141,18 +138,6 @@ std::vector<Finding> PoseNode::findings() const {
 void PoseNode::push(pose::Measurement measurement) {
   const std::size_t kind = measurement.index();
   const std::int64_t utime = pose::utime_of(measurement);
-  if (queue_.is_clock_set_back(kind, utime)) {
-    clock_utime_ = utime;
-    released_utime_ = last_utime_ = Queue::kNever;
-    while (queue_.pop_flushed()) ++num_late_;
-    localiser_ = make_localiser_();
-    rig_monitor_ = pose::RigMonitor(rig_);
-  } else if (clock_utime_ && utime > *clock_utime_ + Queue::kClockSet_us) {
-    ++num_late_;  // it still has the old clock
-    return;
-  } else if (clock_utime_) {
-    clock_utime_ = std::max(*clock_utime_, utime);
-  }
   // A measurement at the released time is late, too: its pose has been published.
   if (utime <= released_utime_ || utime < queue_.reached(kind)) {
     ++num_late_;
@@ -162,29 +147,31 @@ void PoseNode::push(pose::Measurement measurement) {
 }
 
 void PoseNode::flush(const bus::Outbox& send) {
-  while (const auto measurement = queue_.pop_flushed()) use(*measurement, send);
+  while (auto measurement = queue_.pop_flushed()) use(*std::move(measurement), send);
   localiser_->finish();
   if (checks_rig_) rig_monitor_.finish();
   // The last pose was sent before this correction, so it is corrected like those before it.
   send_correction(send, last_utime_ + 1);
 }
 
-void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send) {
+void PoseNode::use(pose::Measurement measurement, const bus::Outbox& send) {
   released_utime_ = pose::utime_of(measurement);
+  const std::int64_t steady_utime = steady_time_.next(measurement.index(), released_utime_);
+  std::visit([steady_utime](auto& m) { m.utime = steady_utime; }, measurement);
   localiser_->add(measurement);
   // Send the correction first: poses from this time on include it.
   send_correction(send, Queue::kNever);
-  for (pose::PoseEstimate& past : localiser_->take_past_poses()) {
-    if (past.utime > last_utime_) send_pose(past, send);
-  }
+  for (pose::PoseEstimate& past : localiser_->take_past_poses()) send_pose(past, send);
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
   // Measurements with the same time give one pose.
-  if (estimate && estimate->utime > last_utime_ && queue_.next_utime() != estimate->utime) {
+  if (estimate && queue_.next_utime() != steady_time_.drive_time(estimate->utime)) {
     send_pose(*estimate, send);
   }
 }
 
 void PoseNode::send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send) {
+  estimate.utime = steady_time_.drive_time(estimate.utime);
+  if (estimate.utime <= last_utime_) return;
   last_utime_ = estimate.utime;
   estimate.seq = next_seq_++;
   send(estimate);
@@ -193,7 +180,10 @@ void PoseNode::send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send) 
 void PoseNode::send_correction(const bus::Outbox& send, std::int64_t utime_min) {
   std::optional<pose::Trajectory> trajectory = localiser_->take_correction();
   if (!trajectory) return;
-  trajectory->utime = std::max(trajectory->utime, utime_min);
+  for (pose::PoseEstimate& pose : trajectory->poses) {
+    pose.utime = steady_time_.drive_time(pose.utime);
+  }
+  trajectory->utime = std::max(steady_time_.drive_time(trajectory->utime), utime_min);
   for (pose::TrajectoryPage& page : pose::paginate(*trajectory)) {
     page.seq = next_page_seq_++;
     send(std::move(page));
@@ -210,7 +200,7 @@ std::string PoseNode::waiting_for() const {
   const std::optional<std::int64_t> utime = queue_.next_utime();
   const std::optional<std::size_t> missing = utime ? queue_.blocker(*utime) : std::nullopt;
   if (!missing) return {};
-  return "the pose at " + std::to_string(*utime) + " us waits for " +
+  return "the pose at " + std::to_string(timing::utime_of(*utime)) + " us waits for " +
          std::string(bus::info(kChannelOfKind[*missing]).name) + " of that time or later";
 }
 

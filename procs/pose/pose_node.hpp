@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -16,12 +15,14 @@
 #include "pose/localiser.hpp"
 #include "pose/measurements.hpp"
 #include "pose/rig/rig_monitor.hpp"
+#include "timing/drive_time.hpp"
 #include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {
 
 /// Estimates the robot's pose: one POSE per time of measurement, in order of time, and TRAJECTORY
-/// whenever the past is corrected. Restarts when a clock is set back by more than a minute.
+/// whenever the past is corrected. The localiser has steady time: a clock that is set back moves no
+/// robot.
 class PoseNode : public bus::Node {
  public:
   /// Throws io::FileError when the map of mode prior_map cannot be read. `memory` stores the data
@@ -51,7 +52,8 @@ class PoseNode : public bus::Node {
   std::vector<bus::Channel> mode_inputs() const;
   void check_rig(const bus::Message& input);
   void push(pose::Measurement measurement);
-  void use(const pose::Measurement& measurement, const bus::Outbox& send);
+  void use(pose::Measurement measurement, const bus::Outbox& send);
+  /// Sends the pose of a steady time, unless one of that time or a later one was sent.
   void send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send);
   /// Sends the newest trajectory, if any; it corrects all poses before its utime or `utime_min`.
   void send_correction(const bus::Outbox& send, std::int64_t utime_min);
@@ -62,10 +64,7 @@ class PoseNode : public bus::Node {
   Queue queue_;
   std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement used
   std::int64_t num_late_ = 0;
-  /// The newest time since a clock was set back; measurements far beyond it still have the old
-  /// clock.
-  std::optional<std::int64_t> clock_utime_;
-  std::function<std::unique_ptr<pose::Localiser>()> make_localiser_;
+  timing::SteadyTime<pose::kNumMeasurementKinds> steady_time_;
   std::unique_ptr<pose::Localiser> localiser_;
   bool checks_rig_;
   bool moves_by_scans_;

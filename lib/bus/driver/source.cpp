@@ -37,20 +37,22 @@ void PacedSource::begin() {
   begun_ = true;
   next_ = source_->next();
   start_ = Clock::now();
-  if (next_) first_utime_ = utime_of(*next_);
 }
 
 Driver::Clock::time_point PacedSource::deadline() {
   begin();
   if (!next_) return Clock::time_point::max();
-  const double due_us = static_cast<double>(utime_of(*next_) - first_utime_) / speed_;
+  const double due_us = static_cast<double>(since_first_us_) / speed_;
   return start_ + std::chrono::microseconds(static_cast<std::int64_t>(due_us));
 }
 
 void PacedSource::step(const Outbox& send) {
   if (deadline() > Clock::now() || !next_) return;
   send(*next_);
+  const std::int64_t sent_utime = utime_of(*next_);
   next_ = source_->next();
+  // Where a clock was set back, the next message follows at once.
+  if (next_) since_first_us_ += std::max<std::int64_t>(utime_of(*next_) - sent_utime, 0);
 }
 
 PlayedLog::PlayedLog(const std::string& log_path, std::int64_t start_utime,

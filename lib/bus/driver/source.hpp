@@ -52,7 +52,7 @@ class PacedSource : public Driver {
   bool begun_ = false;
   std::optional<Message> next_;
   Clock::time_point start_;
-  std::int64_t first_utime_ = 0;
+  std::int64_t since_first_us_ = 0;  ///< of next_
 };
 
 /// Plays the messages of some channels of a log at their times, relative to the log's first event.

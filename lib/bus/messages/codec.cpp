@@ -176,12 +176,6 @@ void check(FieldCheck& c, const detection::Detections& detections) {
 void check(FieldCheck& c, const pose::TrajectoryPage& page) {
   // 64-bit, because num_pages of an invalid message may be INT32_MIN.
   c.field("page", page.page, 0, std::int64_t{page.num_pages} - 1);
-  std::int64_t before = -1;
-  for (const pose::PoseEstimate& pose : page.poses) {
-    c.require(pose.utime > before, Reason::kInconsistent, "its poses are not sorted by utime");
-    if (!c.ok()) return;
-    before = pose.utime;
-  }
 }
 
 void check(FieldCheck& c, const mapping::MapWays& ways) {

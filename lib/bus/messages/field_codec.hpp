@@ -16,6 +16,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/messages/fields.hpp"
+#include "timing/drive_time.hpp"
 
 namespace orchard::bus {
 
@@ -30,11 +31,12 @@ class FieldWriter {
   FieldWriter() = default;
   explicit FieldWriter(std::int64_t type_hash) { put(type_hash); }
 
-  void stamp(std::int64_t utime, std::int32_t seq) {
-    put(utime);
+  /// The receiver finds the epoch of a drive time by itself.
+  void stamp(std::int64_t drive_time, std::int32_t seq) {
+    put(timing::utime_of(drive_time));
     put(seq);
   }
-  void time(const char*, std::int64_t utime) { put(utime); }
+  void time(const char*, std::int64_t drive_time) { put(timing::utime_of(drive_time)); }
   template <class T, class Lo, class Hi>
   void field(const char*, const T& value, Lo, Hi) {
     put(value);

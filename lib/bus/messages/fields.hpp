@@ -9,12 +9,13 @@
 #include "laser/scan.hpp"
 #include "mapping/finish/map_fields.hpp"
 #include "pose/pose_fields.hpp"
+#include "timing/drive_time.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::bus {
 
 /// Upper limit (exclusive) of any time in a message: 2200-01-01 [us].
-inline constexpr std::int64_t kUtimeEnd = 7258118400000000;
+inline constexpr std::int64_t kUtimeEnd = timing::kEpoch_us;
 
 /// Calls a visitor with every field of a message, in the order of its .lcm file.
 ///

@@ -39,6 +39,18 @@ inline std::int64_t utime_of(const Message& message) {
   return std::visit([](const auto& m) { return m.utime; }, message);
 }
 
+/// Gives a received message its drive time (timing/drive_time.hpp) and moves its other times along.
+inline void set_drive_time(Message& message, std::int64_t drive_time) {
+  const std::int64_t shift_us = drive_time - utime_of(message);
+  std::visit([drive_time](auto& m) { m.utime = drive_time; }, message);
+  if (auto* detections = std::get_if<detection::Detections>(&message)) {
+    for (detection::Detection& d : detections->trunks) d.utime += shift_us;
+    if (detections->image_utime != 0) detections->image_utime += shift_us;
+  } else if (auto* page = std::get_if<pose::TrajectoryPage>(&message)) {
+    for (pose::PoseEstimate& pose : page->poses) pose.utime += shift_us;
+  }
+}
+
 /// Sequence number of any message.
 inline std::int32_t seq_of(const Message& message) {
   return std::visit([](const auto& m) { return m.seq; }, message);

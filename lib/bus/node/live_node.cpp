@@ -98,6 +98,7 @@ void LiveNode::run(StopSignal& stop) {
     drain();
     if (report_.due()) report();
   });
+  for (const auto& [channel, drive_time] : node_.resumed()) host_.resume(channel, drive_time);
   has_started_ = true;
   while (!stop.raised()) {
     drain();
@@ -209,11 +210,11 @@ void LiveNode::drain() {
 }
 
 bool LiveNode::handle_next() {
-  const auto arrival = inbox_.take(Clock::now());
+  auto arrival = inbox_.take(Clock::now());
   if (!arrival) return false;
   const auto arrival_us =
       std::chrono::duration_cast<std::chrono::microseconds>(arrival->time.time_since_epoch());
-  if (host_.receive(arrival->message, arrival_us.count())) changed_ = true;
+  if (host_.receive(std::move(arrival->message), arrival_us.count())) changed_ = true;
   report_.note_input(std::chrono::duration<double>(Clock::now() - arrival->time).count());
   return true;
 }

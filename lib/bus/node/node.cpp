@@ -43,28 +43,30 @@ std::vector<std::pair<std::string, std::int64_t>> named_counts(
 NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::move(publish)) {
   outbox_ = [this](const Message& message) {
     ++traffic_.num_out[static_cast<std::size_t>(channel_of(message))];
-    publish_({channel_of(message), seq_of(message), utime_of(message), encode(message)});
+    const std::int64_t drive_time = utime_of(message);
+    publish_({channel_of(message), seq_of(message), timing::utime_of(drive_time), encode(message),
+              drive_time});
   };
 }
 
-bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival_us) {
+bool NodeHost::receive(Message input, std::optional<std::int64_t> arrival_us) {
   const Channel channel = channel_of(input);
-  std::vector<Message>& held = held_[static_cast<std::size_t>(channel)];
-  const GateDecision decision = gate_.accept(channel, seq_of(input), utime_of(input), arrival_us);
-  if (decision == GateDecision::kHeld) {
-    held.push_back(input);
-    const std::size_t num_old = held.size() - static_cast<std::size_t>(gate_.num_held(channel));
-    held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(num_old));
-    return false;
-  }
-  // Nodes require increasing seq.
-  if (decision == GateDecision::kDuplicate || decision == GateDecision::kReordered) return false;
-  if (decision == GateDecision::kConfirmed) {
-    for (const Message& message : held) deliver(message);
-  }
-  held.clear();
+  const std::int32_t seq = seq_of(input);
+  const std::int64_t utime = utime_of(input);
+  auto used = gated_.add(channel, seq, utime, arrival_us, std::move(input));
+  if (gated_.was_reordered()) return false;  // nodes require increasing seq
+  for (auto& [drive_time, message] : used) deliver_at(drive_time, std::move(message));
+  return !used.empty();
+}
+
+void NodeHost::deliver_as_sent(Message input) {
+  const auto drive_time = gated_.gate().drive_time(channel_of(input), utime_of(input));
+  if (drive_time) deliver_at(*drive_time, std::move(input));
+}
+
+void NodeHost::deliver_at(std::int64_t drive_time, Message input) {
+  set_drive_time(input, drive_time);
   deliver(input);
-  return true;
 }
 
 void NodeHost::deliver(const Message& input) {
@@ -84,8 +86,8 @@ std::int64_t NodeHost::num_published() const {
 
 TrafficCounts NodeHost::traffic() const {
   TrafficCounts traffic = traffic_;
-  traffic.num_duplicates = gate_.counts().num_duplicate;
-  traffic.num_seq_gaps = gate_.counts().num_lost;
+  traffic.num_duplicates = gated_.gate().counts().num_duplicate;
+  traffic.num_seq_gaps = gated_.gate().counts().num_lost;
   return traffic;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/messages/message.hpp"
+#include "bus/node/gated.hpp"
 #include "bus/node/sequence_gate.hpp"
 #include "text/finding.hpp"
 
@@ -46,7 +48,8 @@ class Precomputation {
 
 /// One processing role of the system (detector, pose, mapper). Its outputs are a pure function of
 /// its configuration and the sequence of its inputs. The same object runs in the live process, in
-/// the players and in tests.
+/// the players and in tests. All times of inputs and outputs are drive times
+/// (timing/drive_time.hpp).
 class Node {
  public:
   virtual ~Node() = default;
@@ -79,6 +82,9 @@ class Node {
   /// Receives the computed result of precompute() for the next input of handle(). The outputs of
   /// handle() must not depend on whether this is called.
   virtual void use_precomputed(std::unique_ptr<Precomputation> /*precomputed*/) {}
+
+  /// Drive times of the newest inputs that an earlier process has used; read after start().
+  virtual std::map<Channel, std::int64_t> resumed() const { return {}; }
 
   /// Receives the STATUS of other processes, live only, for display. No output may depend on it.
   virtual void handle_status(const Status& /*status*/) {}
@@ -124,6 +130,7 @@ struct Output {
   std::int32_t seq = 0;
   std::int64_t utime = 0;
   std::vector<std::uint8_t> bytes;
+  std::int64_t drive_time = 0;
 };
 
 /// Runs a node in any environment (live process, lockstep process, in-process replay): drops old
@@ -137,15 +144,25 @@ class NodeHost {
   /// Live: passes the message to the node, drops it if it is old, or holds it until later messages
   /// confirm it (SequenceGate). Returns whether any message was passed to the node.
   /// `arrival_us`: time of arrival on the receiver's clock, for SequenceGate.
-  bool receive(const Message& input, std::optional<std::int64_t> arrival_us = std::nullopt);
+  bool receive(Message input, std::optional<std::int64_t> arrival_us = std::nullopt);
 
-  /// Replay: passes the message to the node without checks, which the player has made.
+  /// Lockstep: passes the message to the node without the checks that the player has made.
+  void deliver_as_sent(Message input);
+
+  /// Replay in one process: the same for a message that has its drive time.
   void deliver(const Message& input);
+
+  /// Goes on after a message that an earlier process has used.
+  void resume(Channel channel, std::int64_t drive_time) {
+    gated_.gate().resume(channel, drive_time);
+  }
 
   void flush();
 
-  SequenceCounts sequence_counts() const { return gate_.counts(); }
-  const SequenceCounts& sequence_counts(Channel channel) const { return gate_.counts(channel); }
+  SequenceCounts sequence_counts() const { return gated_.gate().counts(); }
+  const SequenceCounts& sequence_counts(Channel channel) const {
+    return gated_.gate().counts(channel);
+  }
   std::int64_t num_handled() const;
   std::int64_t num_published() const;
   bool seen(Channel channel) const { return num_used(channel) > 0; }
@@ -158,12 +175,13 @@ class NodeHost {
   Node& node() { return node_; }
 
  private:
+  void deliver_at(std::int64_t drive_time, Message input);
+
   Node& node_;
   Publish publish_;
   Outbox outbox_;
-  SequenceGate gate_;
-  std::array<std::vector<Message>, kNumChannels> held_;  ///< messages held back by the gate
-  TrafficCounts traffic_;                                ///< only num_in and num_out are set
+  Gated<Message> gated_;
+  TrafficCounts traffic_;  ///< only num_in and num_out are set
 };
 
 }  // namespace orchard::bus

@@ -129,6 +129,28 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
   return false;
 }
 
+/// Whether other channels keep the clock that a channel has left, and none has left it likewise.
+/// They are given kNumAlone messages to be heard.
+bool SequenceGate::is_contradicted(const Last& last) const {
+  const std::int64_t near_us = std::abs(last.held_first.utime - last.stamp.utime) / 2;
+  if (!last.seen || near_us < timing::DriveClock::kSetBack_us / 2) return false;
+  const std::int64_t here = last.held.utime;
+  const std::int64_t by_old_clock = last.stamp.utime + here - last.held_first.utime;
+  bool is_kept = false;
+  for (const Last& other : last_) {
+    if (&other == &last || !other.seen) continue;
+    const auto is_at = [&](const Stamp& stamp, std::int64_t utime) {
+      return std::abs(stamp.utime - utime) <= near_us;
+    };
+    if (is_at(other.stamp, here) || (other.num_held > 0 && is_at(other.held, here))) return false;
+    const bool is_heard = other.order > last.held_order;
+    const bool may_be_heard =
+        last.num_held < kNumAlone && num_accepted_ - other.order <= kTimeGoodFor;
+    is_kept = is_kept || ((is_heard || may_be_heard) && is_at(other.stamp, by_old_clock));
+  }
+  return is_kept;
+}
+
 bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   const Stamp& last = last_[index(channel)].stamp;
   const Pace& pace = last_[index(channel)].pace;
@@ -207,16 +229,31 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
     return GateDecision::kReordered;
   }
   const bool time_goes_on = utime > last.stamp.utime && utime - last.stamp.utime <= kJump_us;
-  const bool time_is_known = std::abs(utime - last.stamp.utime) > kJump_us &&
-                             others_are_at(channel, utime) &&
-                             !others_are_at(channel, last.stamp.utime);
   if (!last.contested && time_goes_on && seq <= last.stamp.seq && seq < kNearSeq &&
       !last.pace.is_early(last.stamp, stamp)) {
     drop_held(channel);
     begin_again(channel, stamp);
     return GateDecision::kNew;
   }
-  return hold(channel, stamp, !last.contested && time_is_known);
+  return hold(channel, stamp, !last.contested && is_set_with_others(channel, utime));
+}
+
+/// Whether the clock of a channel was set to a time at which other channels are already.
+bool SequenceGate::is_set_with_others(Channel channel, std::int64_t utime) const {
+  const std::int64_t last_utime = last_[index(channel)].stamp.utime;
+  return clock_.is_followed(index(channel), utime) ||
+         (std::abs(utime - last_utime) > kJump_us && others_are_at(channel, utime) &&
+          !others_are_at(channel, last_utime));
+}
+
+bool SequenceGate::confirm_held(Channel channel) {
+  const Last& last = last_[index(channel)];
+  if (last.num_held == 0 || !last.seen || last.contested ||
+      !is_set_with_others(channel, last.held_first.utime)) {
+    return false;
+  }
+  take_held(channel);
+  return true;
 }
 
 /// Holds a message together with those it agrees with, until they are enough or the other channels
@@ -236,7 +273,10 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
     drop_held(channel);
   }
   last.num_against = 0;
-  if (++last.num_held == 1) last.held_first = stamp;
+  if (++last.num_held == 1) {
+    last.held_first = stamp;
+    last.held_order = num_accepted_;
+  }
   // Single messages were refused one by one and yet continue each other: another source sends them.
   const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
                               stamp.seq - last.rival->seq <= kNearSeq;
@@ -247,20 +287,29 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   }
   if (last.contested) ++counts_[index(channel)].num_second_source_signs;
   last.held = stamp;
-  if (last.num_held < kNumToConfirm && !is_time_known) return GateDecision::kHeld;
+  if (!is_time_known && (last.num_held < kNumToConfirm || is_contradicted(last))) {
+    if (last.num_held > kNumAlone) drop_held(channel);
+    return GateDecision::kHeld;
+  }
   const bool alone = last.num_held == 1;
+  take_held(channel);
+  return alone ? GateDecision::kNew : GateDecision::kConfirmed;
+}
+
+void SequenceGate::take_held(Channel channel) {
+  Last& last = last_[index(channel)];
+  const Stamp stamp = last.held;
+  const int num_held = std::exchange(last.num_held, 0);
+  last.num_held_old = 0;
   if (last.seen && follows(last.stamp, stamp)) {  // a jump ahead, and the source stays there
-    counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
-    last.num_held = last.num_held_old = 0;
+    counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - num_held);
     last.pace.forget();
     take(last, stamp);
-    return alone ? GateDecision::kNew : GateDecision::kConfirmed;
+    return;
   }
-  last.num_held = last.num_held_old = 0;
   begin_again(channel, stamp);
   last.before.reset();
   last.contested = false;
-  return alone ? GateDecision::kNew : GateDecision::kConfirmed;
 }
 
 void SequenceGate::drop_held(Channel channel) {
@@ -290,7 +339,7 @@ void SequenceGate::begin_again(Channel channel, const Stamp& stamp) {
   if (last.seen) {
     ++counts.num_restarts;
     const std::int64_t change_us = stamp.utime - last.stamp.utime;
-    if (std::abs(change_us) > kJump_us) {
+    if (change_us > kJump_us || change_us < -timing::DriveClock::kSetBack_us) {
       counts.clock_change_s = 1e-6 * static_cast<double>(change_us);
     }
     const bool soon = last.run > 1 && num_accepted_ - last.restart_order < kRestartsApart;

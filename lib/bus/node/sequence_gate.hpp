@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bus/messages/channel.hpp"
+#include "timing/drive_time.hpp"
 
 namespace orchard::bus {
 
@@ -18,7 +19,7 @@ struct SequenceCounts {
   std::int64_t num_jumps = 0;     ///< refused: time or seq jumps, and no other message confirmed it
   std::int64_t num_restarts = 0;  ///< the source was restarted, or its clock was set
   std::int64_t num_second_source_signs = 0;  ///< indications of a second source on the channel
-  double clock_change_s = 0.0;  ///< last step of a source's clock, if larger than kJump_us
+  double clock_change_s = 0.0;  ///< last step of a source's clock: an epoch, or more than kJump_us
 };
 
 /// What to do with a message.
@@ -37,7 +38,8 @@ enum class GateDecision {
 /// number while time continues means that the source was restarted. Any other jump needs
 /// confirmation: more than kJump_us or kJump_seq, or a utime that goes back. It is accepted once
 /// kNumToConfirm messages in a row agree on it, if the other channels are already at that time, or
-/// if as much time has passed at the receiver (the robot paused).
+/// if as much time has passed at the receiver (the robot paused). It is refused as long as other
+/// channels stay at the old time and none comes along: clocks of one robot are set together.
 ///
 /// If arrival times are known, two more cases need confirmation: a utime that is ahead of the
 /// channel's pace by more than kNumToConfirm periods (at most two seconds), and a seq that grows
@@ -48,14 +50,32 @@ class SequenceGate {
   static constexpr std::int64_t kJump_us = 60'000'000;
   static constexpr std::int32_t kJump_seq = 100'000;
   static constexpr int kNumToConfirm = 5;
+  static constexpr int kNumAlone = 100;  ///< meanwhile every sensor is heard
 
   /// Classifies one message. `arrival_us`: time of arrival on any one clock of the receiver [us]
   /// (in a log: time of recording); none where it is unrelated to the source's time.
   GateDecision accept(Channel channel, std::int32_t seq, std::int64_t utime,
                       std::optional<std::int64_t> arrival_us = std::nullopt);
 
+  /// Whether another channel has just confirmed the held messages of this one: use them in order.
+  bool confirm_held(Channel channel);
+
   /// Number of the newest messages of the channel that wait for confirmation.
   int num_held(Channel channel) const { return last_[index(channel)].num_held; }
+
+  /// The drive time of a message that is used, in the order of use; none for one to be dropped,
+  /// because its channel was at a later time already: the clock was set back a little.
+  std::optional<std::int64_t> drive_time(Channel channel, std::int64_t utime) {
+    return clock_.next(index(channel), utime);
+  }
+  /// The same for a message that was kReordered.
+  std::int64_t drive_time_of_reordered(Channel channel, std::int64_t utime) const {
+    return clock_.same_epoch(index(channel), utime);
+  }
+  /// Goes on after a message that an earlier process has used.
+  void resume(Channel channel, std::int64_t drive_time) {
+    clock_.resume(index(channel), drive_time);
+  }
 
   /// Run of the source that the newest message of the channel belongs to; +1 with every restart.
   std::int32_t run(Channel channel) const { return last_[index(channel)].run; }
@@ -110,11 +130,12 @@ class SequenceGate {
     std::int64_t restart_order = 0;
     bool contested = false;  ///< the source from before the restart still sends
     int num_held = 0;
-    int num_against = 0;         ///< contradictions of the held messages since the last agreement
-    int num_held_old = 0;        ///< held messages that look like duplicates
-    Stamp held;                  ///< newest held message
-    std::optional<Stamp> rival;  ///< newest held message that was refused
-    Stamp held_first;            ///< oldest held message
+    int num_against = 0;          ///< contradictions of the held messages since the last agreement
+    std::int64_t held_order = 0;  ///< number of accepted messages when the first was held
+    int num_held_old = 0;         ///< held messages that look like duplicates
+    Stamp held;                   ///< newest held message
+    std::optional<Stamp> rival;   ///< newest held message that was refused
+    Stamp held_first;             ///< oldest held message
     Pace pace;
   };
 
@@ -122,10 +143,13 @@ class SequenceGate {
   static bool follows(const Stamp& last, const Stamp& next);
   static bool is_pause(const Stamp& last, const Stamp& next);
   bool others_are_at(Channel channel, std::int64_t utime) const;
+  bool is_contradicted(const Last& last) const;
   bool goes_on(Channel channel, const Stamp& next) const;
   bool is_other_source(const Last& last, const Stamp& next) const;
   bool fills_gap(const Last& last, const Stamp& late, bool& was_lost) const;
+  bool is_set_with_others(Channel channel, std::int64_t utime) const;
   GateDecision hold(Channel channel, const Stamp& stamp, bool is_time_known);
+  void take_held(Channel channel);
   void drop_held(Channel channel);
   void take(Last& last, const Stamp& stamp);
   void remember(Last& last, const Stamp& stamp);
@@ -134,6 +158,7 @@ class SequenceGate {
   std::array<Last, kNumChannels> last_;
   std::array<SequenceCounts, kNumChannels> counts_;
   std::int64_t num_accepted_ = 0;
+  timing::DriveClock clock_{kNumChannels};
 };
 
 }  // namespace orchard::bus

@@ -167,6 +167,7 @@ void NodeChain::take_output(std::size_t node, Output&& output) {
                              " that the guard refuses: " + rejection->detail);
     }
     derived.message = std::get<Message>(std::move(decoded));
+    set_drive_time(*derived.message, output.drive_time);
   }
   derived.output = std::move(output);
   sink.event->derived.push_back(std::move(derived));
@@ -263,6 +264,7 @@ class Replay {
                             ": the log was changed while it was read: " + rejection->detail);
       }
       event.source = std::get<Message>(std::move(decoded));
+      set_drive_time(*event.source, entry.drive_time);
     }
   }
 

@@ -19,7 +19,7 @@ struct ReplayReport : TrafficCounts {
   std::vector<io::LogGap> gaps;
   std::vector<std::string> warnings;  ///< one sentence each, for the user
   std::int64_t first_utime = 0;       ///< of the source messages
-  std::int64_t last_utime = 0;
+  std::int64_t last_utime = 0;        ///< by the first clock, as if it had not been set back
 };
 
 struct ReplayOptions {
@@ -39,11 +39,11 @@ struct ReplayOptions {
 };
 
 /// Replays the source channels of a log, or of several logs of one drive, through nodes. Messages
-/// are merged by (utime, channel, seq) and delivered as on a bus that is drained after each input;
-/// at the end the nodes are flushed in order. The result is deterministic. With more than one job
-/// the nodes process different inputs at the same time, and the callbacks are called from other
-/// threads, one at a time and in order. Throws io::FileError for a log that cannot be read or has
-/// no source channel.
+/// are merged by (drive time, channel, seq) and delivered as on a bus that is drained after each
+/// input; at the end the nodes are flushed in order. The result is deterministic. With more than
+/// one job the nodes process different inputs at the same time, and the callbacks are called from
+/// other threads, one at a time and in order. Throws io::FileError for a log that cannot be read or
+/// has no source channel.
 ReplayReport replay_in_process(const io::LogPaths& logs, const std::vector<Node*>& nodes,
                                const ReplayOptions& options);
 

@@ -109,7 +109,7 @@ class Exchange {
     for (const Participant& p : participants_) {
       if (p.inputs.count(entry.channel) > 0) expected.insert(p.number);
     }
-    run({entry.channel, entry.seq}, entry.utime, std::move(expected), bytes);
+    run({entry.channel, entry.seq}, timing::utime_of(entry.drive_time), std::move(expected), bytes);
   }
 
   /// Lets one participant flush.
@@ -384,7 +384,7 @@ void LockstepNode::on_input(const Message& input) {
   fresh_ = false;
   answer(channel, key, [&] {
     last_seq_[static_cast<std::size_t>(channel)] = key.second;
-    host_->deliver(input);
+    host_->deliver_as_sent(input);
   });
 }
 

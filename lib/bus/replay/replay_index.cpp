@@ -13,9 +13,10 @@
 #include <tuple>
 #include <utility>
 
-#include "bus/node/sequence_gate.hpp"
+#include "bus/node/gated.hpp"
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -134,35 +135,25 @@ void add_warnings(ReplayReport& report, const SequenceGate& gate) {
 /// Collects the messages accepted by the gate and those it holds.
 class Gathered {
  public:
-  /// `recorded_utime`: time of arrival according to the log [us].
+  /// `entry` has its utime. `recorded_utime`: time of arrival according to the log [us].
   void add(const ReplayEntry& entry, std::int64_t recorded_utime) {
-    std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
-    const GateDecision decision =
-        gate_.accept(entry.channel, entry.seq, entry.utime, recorded_utime);
-    if (decision == GateDecision::kDuplicate) return;
-    if (decision == GateDecision::kHeld) {
-      held.push_back(entry);
-      const auto num_held = static_cast<std::size_t>(gate_.num_held(entry.channel));
-      held.erase(held.begin(), held.end() - static_cast<std::ptrdiff_t>(num_held));
-      return;
+    for (auto& [drive_time, used] :
+         gated_.add(entry.channel, entry.seq, entry.drive_time, recorded_utime, entry)) {
+      used.drive_time = drive_time;
+      taken_.push_back({used, gated_.gate().run(used.channel)});
     }
-    if (decision == GateDecision::kConfirmed) {
-      for (const ReplayEntry& other : held) take(other);
-    }
-    if (decision != GateDecision::kReordered) held.clear();
-    take(entry);
   }
 
   /// Removes runs at a source's beginning that are too short to be confirmed and that the source's
   /// later time contradicts: the first message of a log may be an outlier. Returns the number of
   /// messages removed.
   std::int64_t finish() {
-    gate_.finish();
+    gated_.gate().finish();
     std::map<Run, std::pair<int, std::int64_t>> runs;  // count and last utime
     for (const Taken& taken : taken_) {
       auto& [num, utime] = runs[run_of(taken)];
       ++num;
-      utime = taken.entry.utime;
+      utime = timing::utime_of(taken.entry.drive_time);
     }
     const auto is_contradicted = [&](const Taken& taken) {
       const Run run = run_of(taken);
@@ -181,13 +172,13 @@ class Gathered {
   void hand_over(Visit&& visit) {
     std::sort(taken_.begin(), taken_.end(), [](const Taken& one, const Taken& other) {
       const ReplayEntry &a = one.entry, &b = other.entry;
-      return std::tie(a.utime, a.channel, a.seq, a.offset) <
-             std::tie(b.utime, b.channel, b.seq, b.offset);
+      return std::tie(a.drive_time, a.channel, a.seq, a.offset) <
+             std::tie(b.drive_time, b.channel, b.seq, b.offset);
     });
     for (; !taken_.empty(); taken_.pop_front()) visit(taken_.front().entry);
   }
 
-  const SequenceGate& gate() const { return gate_; }
+  const SequenceGate& gate() const { return gated_.gate(); }
 
  private:
   using Run = std::pair<Channel, std::int32_t>;
@@ -196,26 +187,27 @@ class Gathered {
     std::int32_t run = 0;
   };
   static Run run_of(const Taken& taken) { return {taken.entry.channel, taken.run}; }
-  void take(const ReplayEntry& entry) { taken_.push_back({entry, gate_.run(entry.channel)}); }
 
   std::deque<Taken> taken_;  ///< a deque: memory is taken and given back piece by piece
-  SequenceGate gate_;
-  std::array<std::vector<ReplayEntry>, kNumChannels> held_;
+  Gated<ReplayEntry> gated_;
 };
 
 /// Keeps the entries within the requested time window after the first message.
 void put_in_order(Gathered& gathered, const ReplayOptions& options, ReplayIndex& index) {
-  std::optional<std::int64_t> first;
-  std::int64_t last = 0;
+  std::optional<std::int64_t> last;
+  std::int64_t since_first_us = 0, first_us = 0;
   gathered.hand_over([&](const ReplayEntry& entry) {
-    if (!first) first = entry.utime;
-    const double t_s = static_cast<double>(entry.utime - *first) * 1e-6;
+    since_first_us += timing::elapsed_us(last.value_or(entry.drive_time), entry.drive_time);
+    last = entry.drive_time;
+    const double t_s = timing::seconds(since_first_us);
     if (t_s < options.from_s || t_s > options.to_s) return;
-    if (index.entries.empty()) index.report.first_utime = entry.utime;
-    last = entry.utime;
+    if (index.entries.empty()) {
+      index.report.first_utime = timing::utime_of(entry.drive_time);
+      first_us = since_first_us;
+    }
+    index.report.last_utime = index.report.first_utime + since_first_us - first_us;
     index.entries.push_back(entry);
   });
-  index.report.last_utime = last;
   index.entries.shrink_to_fit();
 }
 
@@ -224,11 +216,12 @@ void put_in_order(Gathered& gathered, const ReplayOptions& options, ReplayIndex&
 void ReplayEntries::push_back(const ReplayEntry& entry) {
   std::int32_t& seq = last_.seq[static_cast<std::size_t>(entry.channel)];
   bytes_.push_back(static_cast<std::uint8_t>(entry.channel));
-  put(folded(static_cast<std::uint64_t>(entry.utime), static_cast<std::uint64_t>(last_.utime)),
+  put(folded(static_cast<std::uint64_t>(entry.drive_time),
+             static_cast<std::uint64_t>(last_.drive_time)),
       bytes_);
   put(folded(static_cast<std::uint64_t>(entry.seq), static_cast<std::uint64_t>(seq)), bytes_);
   put(folded(entry.offset, last_.offset), bytes_);
-  last_.utime = entry.utime;
+  last_.drive_time = entry.drive_time;
   last_.offset = entry.offset;
   seq = entry.seq;
   ++size_;
@@ -239,11 +232,11 @@ void ReplayEntries::Iterator::read() {
   next_ = at_;
   entry_.channel = static_cast<Channel>((*bytes_)[next_++]);
   std::int32_t& seq = last_.seq[static_cast<std::size_t>(entry_.channel)];
-  last_.utime = static_cast<std::int64_t>(
-      unfolded(get(*bytes_, next_), static_cast<std::uint64_t>(last_.utime)));
+  last_.drive_time = static_cast<std::int64_t>(
+      unfolded(get(*bytes_, next_), static_cast<std::uint64_t>(last_.drive_time)));
   seq = static_cast<std::int32_t>(unfolded(get(*bytes_, next_), static_cast<std::uint64_t>(seq)));
   last_.offset = unfolded(get(*bytes_, next_), last_.offset);
-  entry_.utime = last_.utime;
+  entry_.drive_time = last_.drive_time;
   entry_.seq = seq;
   entry_.offset = last_.offset;
 }

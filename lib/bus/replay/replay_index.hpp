@@ -15,7 +15,7 @@ namespace orchard::bus {
 
 /// Position of one source message in a log.
 struct ReplayEntry {
-  std::int64_t utime = 0;
+  std::int64_t drive_time = 0;
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
   std::uint64_t offset = 0;  ///< as given by io::LogSeries
@@ -26,7 +26,7 @@ struct ReplayEntry {
 class ReplayEntries {
   /// The values that the next entry is stored relative to.
   struct Last {
-    std::int64_t utime = 0;
+    std::int64_t drive_time = 0;
     std::uint64_t offset = 0;
     std::array<std::int32_t, kNumChannels> seq{};
   };
@@ -93,7 +93,7 @@ class ArrivalDelays {
 };
 
 struct ReplayIndex {
-  ReplayEntries entries;  ///< in order of (utime, channel, seq, offset)
+  ReplayEntries entries;  ///< in order of (drive time, channel, seq, offset)
   ReplayReport report;    ///< what was read, refused and missing; num_in and num_out are 0
 };
 

@@ -29,6 +29,7 @@
 #include "mapping/album/album.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/number_text.hpp"
+#include "timing/drive_time.hpp"
 #include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
 #include "view/page.hpp"
@@ -63,10 +64,10 @@ std::string table_of(const std::vector<mapping::AlbumEntry>& entries) {
   std::string table = "id,image_utime_us,x_px,y_px,width_px,height_px\n";
   for (const mapping::AlbumEntry& entry : entries) {
     const mapping::Photograph& photograph = *entry.photograph;
-    table += std::to_string(entry.landmark_id) + "," + std::to_string(photograph.image_utime) +
-             "," + std::to_string(photograph.frame.x_px) + "," +
-             std::to_string(photograph.frame.y_px) + "," +
-             std::to_string(photograph.frame.width_px) + "," +
+    table += std::to_string(entry.landmark_id) + "," +
+             std::to_string(timing::utime_of(photograph.image_utime)) + "," +
+             std::to_string(photograph.frame.x_px) + "," + std::to_string(photograph.frame.y_px) +
+             "," + std::to_string(photograph.frame.width_px) + "," +
              std::to_string(photograph.frame.height_px) + "\n";
   }
   return table;

@@ -240,9 +240,7 @@ Album::Album(const AlbumConfig& config, const detection::Rig& rig)
 
 bool Album::keeps_picture(std::int64_t utime) const {
   if (!is_open()) return false;
-  if (!last_picture_utime_) return true;
-  const std::int64_t since_us = utime - *last_picture_utime_;  // negative if its clock was set back
-  return since_us < 0 || since_us >= kPicturePeriod_us;
+  return !last_picture_utime_ || utime - *last_picture_utime_ >= kPicturePeriod_us;
 }
 
 void Album::add_scan(std::int64_t utime, std::int64_t image_utime,

@@ -107,8 +107,7 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
                              MapUpdate& update) {
   if (!config_.enabled) return;
   const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
-  const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
-  if (since_us >= 0 && since_us < period_us) return;
+  if (last_utime_ && T_map_base.utime - *last_utime_ < period_us) return;
   last_utime_ = T_map_base.utime;
 
   const Evidence all = evidence_of(update.changed_ids, T_map_base, *free_space, landmarks);

@@ -403,7 +403,7 @@ void expect_the_same(const ReplayEntries& entries, const std::vector<ReplayEntry
   std::size_t i = 0;
   for (const ReplayEntry& entry : entries) {
     ASSERT_LT(i, told.size());
-    EXPECT_EQ(entry.utime, told[i].utime);
+    EXPECT_EQ(entry.drive_time, told[i].drive_time);
     EXPECT_EQ(entry.channel, told[i].channel);
     EXPECT_EQ(entry.seq, told[i].seq);
     EXPECT_EQ(entry.offset, told[i].offset);

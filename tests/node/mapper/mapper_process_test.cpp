@@ -73,6 +73,53 @@ TEST(JournaledMapper, KilledAnywhereItGoesOnAsIfItHadNotBeen) {
   EXPECT_TRUE(process->node.warning().empty());
 }
 
+/// Keeps the messages of a drive.
+class Collected : public bus::Node {
+ public:
+  std::string_view name() const override { return "collected"; }
+  std::vector<bus::Channel> inputs() const override { return {}; }
+  void handle(const bus::Message& input, const bus::Outbox&) override { messages.push_back(input); }
+  void flush(const bus::Outbox&) override {}
+  std::vector<bus::Message> messages;
+};
+
+TEST(JournaledMapper, ClocksThatAreSetBackMeanwhileOrBeforeLoseNothing) {
+  MapperNode never_set(rig());
+  Collected collected;
+  RowDrive drive(never_set), sent(collected);
+  for (int k = 0; k < 200; ++k) {
+    drive.step(k, k);
+    sent.step(k, k);
+  }
+  never_set.flush(kNowhere);
+  for (const std::size_t set_at : {550u, 600u, 640u}) {  // of 1200 messages; killed at 600
+    const io::TestFolder folder;
+    std::unique_ptr<Process> process;
+    std::unique_ptr<bus::NodeHost> host;
+    for (std::size_t i = 0; i < collected.messages.size(); ++i) {
+      if (i % 300 == 0) {
+        if (process) process->node.commit();
+        host.reset();
+        process.reset();
+        process = std::make_unique<Process>(rig(), folder.path());
+        host = std::make_unique<bus::NodeHost>(process->node, [](bus::Output&&) {});
+        for (const auto& [channel, at] : process->node.resumed()) host->resume(channel, at);
+      }
+      bus::Message message = collected.messages[i];
+      const std::int64_t back_us = i < set_at ? 0 : 5'000'000;
+      std::visit([back_us](auto& m) { m.utime += 1'000'000'000 - back_us; }, message);
+      if (auto* detections = std::get_if<detection::Detections>(&message)) {
+        for (auto& trunk : detections->trunks) trunk.utime = detections->utime;
+      }
+      host->receive(message);
+    }
+    host->flush();
+    host->flush();
+    EXPECT_EQ(table_of(process->node.mapper()), table_of(never_set)) << set_at;
+    EXPECT_TRUE(process->node.notes().empty());
+  }
+}
+
 /// Every MAP message as text, and the table: what others see of a mapper.
 std::string outputs_of(bus::Node& node, RowDrive& drive, int from, int to) {
   std::string text;

@@ -102,6 +102,71 @@ TEST(PoseNode, ArrivalOrderBetweenChannelsDoesNotMatter) {
   }
 }
 
+/// What a live process sends for messages in order of arrival, as bytes.
+std::vector<bus::Output> heard(const io::Config& config, const std::vector<bus::Message>& inputs) {
+  PoseNode node(config);
+  std::vector<bus::Output> outputs;
+  bus::NodeHost host(node, [&](bus::Output&& output) { outputs.push_back(std::move(output)); });
+  for (const bus::Message& input : inputs) host.receive(input);
+  host.flush();
+  return outputs;
+}
+
+TEST(PoseNode, ClocksThatAreSetMoveNoRobotInWhateverOrderTheChannelsArrive) {
+  constexpr std::int64_t kStart = 1'700'000'000'000'000, kSet = 1'000'000;
+  const auto clean = run(config_of(pose::PoseMode::kFixesAndOdometry), straight_drive());
+  std::mt19937_64 random(7);
+  for (const std::int64_t step_us :
+       {-86'400'000'000L, -7'200'000'000L, -60'000'000L, -4'000'000L, 3'600'000'000L}) {
+    for (const bool restarts : {false, true}) {
+      std::vector<std::vector<bus::Output>> all;
+      for (int round = 0; round < 6; ++round) {
+        std::vector<bus::Message> messages = arriving(straight_drive(), [&](const bus::Message& m) {
+          const bool is_fix = std::holds_alternative<pose::PoseFix>(m) && round > 0;
+          return is_fix ? static_cast<std::int64_t>(random() % 80001) - 40000 : 0;
+        });
+        for (bus::Message& message : messages) {
+          std::visit(
+              [&](auto& m) {
+                const bool is_set = m.utime >= kSet;
+                if (is_set && restarts)
+                  m.seq -= std::is_same_v<decltype(m), pose::PoseFix&> ? 5 : 50;
+                m.utime += kStart + (is_set ? step_us : 0);
+              },
+              message);
+        }
+        all.push_back(heard(config_of(pose::PoseMode::kFixesAndOdometry), messages));
+        const std::string what = std::to_string(step_us) + " in round " + std::to_string(round);
+        ASSERT_EQ(all.back().size(), clean.size()) << what;
+        for (std::size_t i = 0; i < clean.size(); ++i) {
+          const auto message = bus::decode(bus::Channel::kPose, all.back()[i].bytes.data(),
+                                           all.back()[i].bytes.size());
+          const auto& pose = std::get<pose::PoseEstimate>(std::get<bus::Message>(message));
+          EXPECT_EQ(pose.utime, clean[i].utime + kStart + (clean[i].utime < kSet ? 0 : step_us));
+          EXPECT_NEAR(pose.x_m, clean[i].x_m, step_us < 0 ? 1e-9 : 0.05) << what;
+          EXPECT_EQ(all.back()[i].bytes, all.front()[i].bytes) << what << ", pose " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(PoseNode, SixForgedOnesOfTomorrowThatAgreeChangeNothing) {
+  const std::vector<bus::Message> messages = straight_drive();
+  const auto config = config_of(pose::PoseMode::kFixesAndOdometry);
+  std::vector<bus::Message> attacked = messages;
+  for (int i = 0; i < 6; ++i) {
+    pose::Odometry forged;
+    forged.utime = 86'400'000'000 + i * 20'000;
+    forged.seq = 40 + i;
+    forged.speed_mps = 1.0;
+    attacked.insert(attacked.begin() + 44 + i, forged);
+  }
+  const auto clean = heard(config, messages), poses = heard(config, attacked);
+  ASSERT_EQ(poses.size(), clean.size());
+  for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_EQ(poses[i].bytes, clean[i].bytes);
+}
+
 /// Ten metres to the east, and five fixes a second of a receiver: in order of time.
 std::vector<bus::Message> drive_under_satellites() {
   std::vector<bus::Message> messages;

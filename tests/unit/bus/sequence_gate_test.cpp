@@ -117,6 +117,57 @@ TEST(SequenceGate, ALeapIsBelievedWhenSeveralAgreeInEitherDirection) {
   }
 }
 
+TEST(SequenceGate, AChannelThatLeapsAloneIsRefusedWhileTheOthersStay) {
+  for (const std::int64_t leap : {-24 * kHour, -5 * kSecond, 24 * kHour}) {
+    SequenceGate gate;
+    int seq = 0;
+    for (; seq < 500; ++seq) {
+      const std::int64_t utime = kStart + seq * kSecond / 10;
+      EXPECT_EQ(gate.accept(Channel::kGnss, seq, utime), GateDecision::kNew);
+      const bool leaps = seq >= 100 && seq < 400;
+      const GateDecision decision = gate.accept(Channel::kScan, seq, utime + (leaps ? leap : 0));
+      // A fall of five seconds is over when its clock comes to the time again that it was set at.
+      const bool is_held = leaps && (leap != -5 * kSecond || seq < 149);
+      EXPECT_EQ(decision, is_held ? GateDecision::kHeld : GateDecision::kNew) << seq;
+    }
+    EXPECT_EQ(gate.counts().num_restarts, 0);
+    EXPECT_LE(gate.num_held(Channel::kScan), SequenceGate::kNumAlone);
+  }
+}
+
+TEST(SequenceGate, AChannelThatLeapsWhenTheOthersHaveGoneIsBelieved) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 0, kStart, 100);
+  drive(gate, Channel::kGnss, 0, kStart, 100);
+  int num = 0;
+  while (gate.accept(Channel::kScan, 100 + num, kStart - kHour + num * kSecond / 10) !=
+         GateDecision::kConfirmed) {
+    ASSERT_LT(++num, 2 * SequenceGate::kNumAlone);
+  }
+  EXPECT_EQ(num, SequenceGate::kNumAlone - 1);
+}
+
+TEST(SequenceGate, TwoChannelsThatLeapTogetherConfirmEachOther) {
+  SequenceGate gate;
+  for (const Channel channel : {Channel::kScan, Channel::kGnss, Channel::kImu}) {
+    for (int i = 0; i < 10; ++i) {
+      const std::int64_t utime = kStart + i * kSecond / 10;
+      ASSERT_EQ(gate.accept(channel, i, utime), GateDecision::kNew);
+      ASSERT_EQ(gate.drive_time(channel, utime), utime);
+    }
+  }
+  EXPECT_EQ(gate.accept(Channel::kGnss, 10, kStart - kHour), GateDecision::kHeld);
+  for (int i = 0; i < kMany - 1; ++i) {
+    EXPECT_EQ(gate.accept(Channel::kScan, 10 + i, kStart - kHour + i), GateDecision::kHeld);
+    EXPECT_FALSE(gate.confirm_held(Channel::kGnss));
+  }
+  EXPECT_EQ(gate.accept(Channel::kScan, 14, kStart - kHour + 4), GateDecision::kConfirmed);
+  EXPECT_EQ(gate.drive_time(Channel::kScan, kStart - kHour), timing::kEpoch_us + kStart - kHour);
+  EXPECT_TRUE(gate.confirm_held(Channel::kGnss)) << "it need not wait for its next message";
+  EXPECT_EQ(gate.num_held(Channel::kGnss), 0);
+  EXPECT_EQ(gate.accept(Channel::kImu, 10, kStart - kHour), GateDecision::kNew);
+}
+
 TEST(SequenceGate, ADuplicateAmongThoseThatAgreeDoesNotPutThemOff) {
   SequenceGate gate;
   drive(gate, Channel::kScan, 0, kStart, 100);

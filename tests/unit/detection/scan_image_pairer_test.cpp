@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <random>
 
@@ -9,6 +10,7 @@
 #include "detection/motion.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"
+#include "timing/drive_time.hpp"
 #include "unit/detection/tube_rig.hpp"
 
 namespace orchard::detection {
@@ -168,16 +170,30 @@ TEST(ScanImagePairer, ImagesWithoutScansDoNotFillTheMemory) {
   EXPECT_EQ(pairs[0].image, nullptr);  // those near it are long forgotten
 }
 
-TEST(ScanImagePairer, AScanOfTomorrowHoldsUpNothingOnceTheClockIsSetBack) {
-  constexpr std::int64_t kDay = 86'400'000'000;
-  ScanImagePairer pairer(0.06, 0.25);
-  pairer.add(scan_at(kDay));
-  std::size_t num_pairs = 0;
-  for (int i = 0; i < 100; ++i) {
-    num_pairs += pairer.add(scan_at(1'000'000 + i * 100'000)).size();
-    num_pairs += pairer.add(image_at(1'010'000 + i * 100'000)).size();
+TEST(ScanImagePairer, AClockThatIsSetSeparatesNoPairWhicheverChannelItReachesFirst) {
+  for (const std::int64_t set_us :
+       {timing::kEpoch_us - 3'600'000'000, std::int64_t{86'400'000'000}}) {
+    for (const int lead : {-2, 0, 2}) {  // messages by which the images are ahead of the scans
+      ScanImagePairer pairer(0.06, 0.25);
+      const auto utime = [&](int i) { return 7'200'000'000 + i * 100'000 + (i < 50 ? 0 : set_us); };
+      Pairs pairs;
+      const auto take = [&pairs](Pairs more) {
+        std::move(more.begin(), more.end(), std::back_inserter(pairs));
+      };
+      for (int i = -2; i < 102; ++i) {
+        if (i + lead >= 0 && i + lead < 100) take(pairer.add(image_at(utime(i + lead) + 10'000)));
+        if (i >= 0 && i < 100) take(pairer.add(scan_at(utime(i))));
+      }
+      take(pairer.flush());
+      ASSERT_EQ(pairs.size(), 100u);
+      for (int i = 0; i < 100; ++i) {
+        const ScanImagePair& pair = pairs[static_cast<std::size_t>(i)];
+        EXPECT_EQ(pair.scan.utime, utime(i));
+        ASSERT_TRUE(pair.image) << i << ", lead " << lead;
+        EXPECT_EQ(pair.image->utime, utime(i) + 10'000);
+      }
+    }
   }
-  EXPECT_EQ(num_pairs, 101u);
 }
 
 TEST(ScanImagePairer, WhatWaitsIsBounded) {

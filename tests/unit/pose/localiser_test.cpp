@@ -9,6 +9,7 @@
 
 #include "pose/pose_estimate.hpp"
 #include "pose/repeat_model.hpp"
+#include "timing/drive_time.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -288,13 +289,28 @@ TEST(Trajectory, ARevisionThatLostAPageIsDroppedAndTheNextOneTaken) {
   }
 }
 
-TEST(Trajectory, PagesThatDoNotFollowEachOtherInTimeAreNotJoined) {
-  auto pages = paginate(trajectory_of(1, 14), 7);
-  for (PoseEstimate& pose : pages[1].poses) pose.utime -= 50;
-  TrajectoryCollector collector;
-  EXPECT_FALSE(collector.add(pages[0]));
-  EXPECT_FALSE(collector.add(pages[1]));
-  EXPECT_EQ(collector.num_incomplete(), 1);
+TEST(Trajectory, WhereItsTimesFallAClockWasSetBack) {
+  // Fourteen poses, one after each ten; the clock is set back by 65 before the eighth, and a
+  // process that was not there before knows one epoch only.
+  for (const std::int64_t epoch : {1, 0}) {
+    auto pages = paginate(trajectory_of(1, 14), 7);
+    for (PoseEstimate& pose : pages[1].poses) pose.utime -= 65;
+    for (TrajectoryPage& page : pages) {
+      page.utime = timing::kEpoch_us * epoch + 70;
+      for (PoseEstimate& pose : page.poses) pose.utime += timing::kEpoch_us * epoch;
+    }
+    TrajectoryCollector collector;
+    EXPECT_FALSE(collector.add(pages[0]));
+    const auto whole = collector.add(pages[1]);
+    ASSERT_TRUE(whole);
+    ASSERT_EQ(whole->poses.size(), epoch == 1 ? 14u : 7u);
+    for (std::size_t i = 0; i < whole->poses.size(); ++i) {
+      const PoseEstimate& pose = whole->poses[whole->poses.size() - 1 - i];
+      const auto utime = 10 * (13 - static_cast<std::int64_t>(i));
+      EXPECT_EQ(pose.utime, i < 7 ? timing::kEpoch_us * epoch + utime - 65 : utime);
+    }
+    EXPECT_EQ(collector.num_incomplete(), 0);
+  }
 }
 
 TEST(RepeatModel, OfARateOfOneHalfAnyRateOfAnotherVisitIsAlike) {

@@ -84,7 +84,8 @@ TEST(OrderedQueue, ItemsOfOneKindComeInOrderOfTimeWhateverTheyArriveIn) {
   EXPECT_EQ(drain(queue), (std::vector<Entry>{{10, 1}, {20, 1}, {30, 1}}));
 }
 
-TEST(OrderedQueue, ArrivalOrderBetweenKindsWithinTheWaitDoesNotMatter) {
+/// Fifty rounds of arrival, where all clocks leap by `leap_us` after half a second.
+void expect_the_same_in_any_order(std::int64_t leap_us) {
   std::vector<Entry> reference;
   std::mt19937_64 random(3);
   for (int round = 0; round < 50; ++round) {
@@ -98,15 +99,25 @@ TEST(OrderedQueue, ArrivalOrderBetweenKindsWithinTheWaitDoesNotMatter) {
     Queue queue = two_kinds(50000);
     std::vector<Entry> out;
     for (const auto& [when, entry] : arrivals) {
-      push(queue, entry.second, entry.first);
+      push(queue, entry.second, entry.first + (entry.first < 500'000 ? 0 : leap_us));
       for (const Entry& next : drain(queue)) out.push_back(next);
     }
     while (const auto entry = queue.pop_flushed()) out.push_back(*entry);
     EXPECT_TRUE(std::is_sorted(out.begin(), out.end()));
     if (round == 0) reference = out;
-    EXPECT_EQ(out, reference) << "delay " << delay_us << " us";
+    EXPECT_EQ(out, reference) << "delay " << delay_us << " us, leap " << leap_us << " us";
   }
   EXPECT_EQ(reference.size(), 60u);
+}
+
+TEST(OrderedQueue, ArrivalOrderBetweenKindsWithinTheWaitDoesNotMatter) {
+  expect_the_same_in_any_order(0);
+}
+
+TEST(OrderedQueue, NobodyHasWaitedWhereAllClocksLeap) {
+  for (const std::int64_t leap_us : {61'000'000LL, 3'600'000'000LL, 7'258'114'800'000'000LL}) {
+    expect_the_same_in_any_order(leap_us);
+  }
 }
 
 }  // namespace

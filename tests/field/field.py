@@ -35,7 +35,8 @@ MEASUREMENTS = {
         measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full,
         measure_disk.rotation, measure_hostile.hostile,
         measure_hostile.hostile_guarded,
-        measure_clocks.clocks, measure_clocks.clock_offset, measure_strangers.twice,
+        measure_clocks.clocks, measure_clocks.clocks_live, measure_clocks.clock_offset,
+        measure_strangers.twice,
         measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,
         measure_two_machines.two_machines, measure_laser.laser_unplug, measure_laser.laser_cable,
         measure_laser.laser_stamps, measure_laser.laser_sums, measure_live.emulated, measure_day.day)

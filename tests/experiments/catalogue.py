@@ -362,6 +362,11 @@ EXPERIMENTS = {
             "0", "the same", "LCM's own lcm-logger dies."),
         Row("clocks", "clocks set by an hour in mid-drive: trees gone or new; 200 ms between hosts", "2 trees; said",
             "the same"),
+        Row("clocks_live",
+            "clocks set back or forward by a second, a minute, an hour, a day in mid-drive, live, seq going on or from 0; "
+            "six forged messages of tomorrow that agree: trees gone or new, of live, of its replay, between the two; "
+            "set back by a minute or more, live and replay", "0, 0, 0; the same bytes", "the same",
+            "What a clock tells twice when it is set back by a second is lost: 1 of 21 trees of a drive of 20 s."),
         Row("laser", "an emulated UST-10LX over 120 s, processors kept busy: stamps, sd, worst; driver, of a core",
             "2 ms, 20 ms", "the same"),
         Row("two_machines", "two machines by the page on deployment: the map against the recording's on one",

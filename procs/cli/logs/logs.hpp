@@ -154,7 +154,7 @@ struct EvaluateLocalisationOptions {
   std::string truth_path;   ///< track in the map's frame; empty: POSE_FIX of the log
   double truth_sd_m = 0.02;
   bool start_known = false;  ///< starts at the first true pose instead of searching the whole map
-  std::string out_folder;  ///< empty: only prints
+  std::string out_folder;    ///< empty: only prints
   bool quiet = false;
   bool json = false;
 };

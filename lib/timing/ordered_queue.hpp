@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "timing/drive_time.hpp"
+
 namespace orchard::timing {
 
 /// Merges items of several kinds into one sequence ordered by time, independent of the order in
@@ -121,9 +123,10 @@ class OrderedQueue {
   }
 
  private:
-  /// derived: Longer than any wait. Where message time leaps, a clock was set or no kind was heard:
-  /// nobody has waited meanwhile, and the kinds that have not leapt yet are waited for as before.
-  static constexpr std::int64_t kLeap_us = 60'000'000;
+  /// derived: only an epoch is longer. Where message time leaps to the next one, a clock was set
+  /// back: nobody has waited meanwhile, and the kinds that still have the old clock are waited for
+  /// as before.
+  static constexpr std::int64_t kLeap_us = kEpoch_us / 2;
 
   std::int64_t waited_us(std::int64_t utime) const {
     const bool is_before = before_leap_ != kNever && utime - before_leap_ < leap_us_ / 2;

@@ -401,9 +401,10 @@ TEST_F(PriorMapNode, RefusesAMapInMillimetres) {
   EXPECT_NE(text.find("pose.prior_map.map_file"), std::string::npos) << text;
 }
 
-TEST_F(PriorMapNode, RefusesWhatIsNoMapWithTheLine) {
-  std::ofstream(config_.pose.prior_map.map_file) << "class,x_m,y_m,width_m\ntree,1,2,0.1\n";
-  EXPECT_NE(refusal().find("map.csv:1"), std::string::npos) << refusal();
+TEST_F(PriorMapNode, RefusesADamagedMapWithTheLine) {
+  write_map({});
+  std::ofstream(config_.pose.prior_map.map_file, std::ios::app) << "1,tree,here\n";
+  EXPECT_NE(refusal().find("map.csv:2"), std::string::npos) << refusal();
 }
 
 TEST(PriorMapConfig, TheModeNeedsAMapFile) {

@@ -2,15 +2,18 @@
 #include "io/companion.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "io/file_error.hpp"
 
@@ -32,17 +35,19 @@ class Pipe {
   }
   int writing_end() const { return ends_[1]; }
 
-  /// All that is written until the other process ends.
-  std::string read_all() {
-    close_end(1);
-    std::string text;
+  /// Ends this process' own writing, so that reading ends with the other process.
+  void begin_reading() { close_end(1); }
+  int reading_end() const { return ends_[0]; }
+
+  /// Appends what is there; closes the pipe at its end.
+  void read_some() {
     char buffer[65536];
-    for (ssize_t count; (count = ::read(ends_[0], buffer, sizeof(buffer))) != 0;) {
-      if (count > 0) text.append(buffer, static_cast<std::size_t>(count));
-      if (count < 0 && errno != EINTR) break;
-    }
-    return text;
+    const ssize_t count = ::read(ends_[0], buffer, sizeof(buffer));
+    if (count > 0) text.append(buffer, static_cast<std::size_t>(count));
+    if (count == 0 || (count < 0 && errno != EINTR)) close_end(0);
   }
+
+  std::string text;  ///< read so far
 
  private:
   void close_end(int end) {
@@ -51,6 +56,19 @@ class Pipe {
   }
   int ends_[2] = {-1, -1};
 };
+
+/// Reads both pipes until the other process ends. In turn, because a full pipe stops that process.
+void read_all(Pipe& out, Pipe& err) {
+  out.begin_reading();
+  err.begin_reading();
+  while (out.reading_end() >= 0 || err.reading_end() >= 0) {
+    // A closed end is negative, which poll() passes over.
+    std::array<pollfd, 2> ends{{{out.reading_end(), POLLIN, 0}, {err.reading_end(), POLLIN, 0}}};
+    if (::poll(ends.data(), ends.size(), -1) < 0) continue;
+    if (ends[0].revents != 0) out.read_some();
+    if (ends[1].revents != 0) err.read_some();
+  }
+}
 
 }  // namespace
 
@@ -85,8 +103,8 @@ std::string output_of_companion(const std::string& program,
                     "`scripts/build.sh " +
                     program + "`");
   }
-  std::string text = out.read_all();
-  std::string said = err.read_all();  // a few lines, which fit into the pipe until they are read
+  read_all(out, err);
+  std::string& said = err.text;
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -95,7 +113,7 @@ std::string output_of_companion(const std::string& program,
     throw FileError(said.empty() ? path + " failed without a message" : said);
   }
   if (!said.empty()) std::fprintf(stderr, "%s\n", said.c_str());
-  return text;
+  return std::move(out.text);
 }
 
 }  // namespace orchard::io

@@ -61,7 +61,8 @@ std::optional<double> next_number(const char*& at, const char* end) {
 
 pose::PriorMapData read_prior_survey(const pose::PoseConfig& config) {
   const std::string& path = config.prior_map.map_file;
-  std::vector<std::string> arguments{"plan", path, "--csv"};
+  // A name that begins like an option is still a file.
+  std::vector<std::string> arguments{"plan", path.rfind('-', 0) == 0 ? "./" + path : path, "--csv"};
   const auto& datum = config.gnss.datum;
   if (datum != decltype(config.gnss.datum){}) {
     for (const std::string& word :

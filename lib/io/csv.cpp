@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "io/file_error.hpp"
+#include "io/unpacking_budget.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -65,12 +66,18 @@ class CsvReader::GzipSource : public CsvReader::Source {
       throw FileError(path_ + ": damaged or truncated (" + message + "); copy or record it again");
     }
     buffer.resize(size + static_cast<std::size_t>(count));
+    read_bytes_ += static_cast<std::uint64_t>(count);
+    if (!is_plausibly_packed(static_cast<std::uint64_t>(::gzoffset(file_)), read_bytes_)) {
+      throw FileError(path_ + ": unpacks to over " + std::to_string(read_bytes_ >> 20) +
+                      " MB: no recording packs so well; it is made to exhaust who reads it");
+    }
     return count > 0;
   }
 
  private:
   std::string path_;
   gzFile file_ = nullptr;
+  std::uint64_t read_bytes_ = 0;
 };
 
 class CsvReader::TextSource : public CsvReader::Source {

@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string content(reinterpret_cast<const char*>(data) + 1, size - 1);
   io::RecordBag bag(std::make_unique<std::istringstream>(content),
-                    data[0] % 2 == 0 ? io::make_rosbag_format() : io::make_mcap_format());
+                    data[0] % 2 == 0 ? io::make_rosbag_format() : io::make_mcap_format(), [] {});
   int num_messages = 0;
   while (const auto message = bag.next()) {
     if (message->topic >= bag.topics().size()) std::abort();

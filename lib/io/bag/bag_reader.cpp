@@ -16,6 +16,7 @@
 
 #include "io/bag/record_bag.hpp"
 #include "io/file_error.hpp"
+#include "io/unpacking_budget.hpp"
 
 namespace orchard::io {
 namespace {
@@ -54,6 +55,20 @@ Statement prepare(sqlite3* database, const std::string& path, const char* sql) {
   return Statement(raw, sqlite3_finalize);
 }
 
+/// The database if its messages are stored, not made by it while they are read. Throws FileError.
+Database open_plain(const std::string& path) {
+  Database database = open(path);
+  const Statement made =
+      prepare(database.get(), path,
+              "SELECT 1 FROM pragma_table_list('messages') WHERE type != 'table' UNION ALL "
+              "SELECT 1 FROM pragma_table_xinfo('messages') WHERE hidden > 1");
+  if (sqlite3_step(made.get()) == SQLITE_ROW) {
+    throw FileError(path +
+                    ": its messages are not stored but computed; rosbag2 writes no such bag");
+  }
+  return database;
+}
+
 std::string text(sqlite3_stmt* row, int column) {
   const unsigned char* begin = sqlite3_column_text(row, column);
   const int size = sqlite3_column_bytes(row, column);
@@ -66,9 +81,11 @@ std::string text(sqlite3_stmt* row, int column) {
 class SqliteBag : public BagReader {
  public:
   /// Throws FileError when the file is not a database or lacks these tables.
-  explicit SqliteBag(const std::string& path)
+  SqliteBag(const std::string& path, const std::function<void()>& on_progress)
       : path_(path),
-        database_(open(path)),
+        file_bytes_(fs::file_size(path)),
+        on_progress_(on_progress),
+        database_(open_plain(path)),
         all_(prepare(database_.get(), path,
                      "SELECT rowid, topic_id, timestamp, data FROM messages ORDER BY rowid")),
         one_(prepare(database_.get(), path,
@@ -78,6 +95,7 @@ class SqliteBag : public BagReader {
 
   std::optional<BagMessage> next() override {
     while (!is_done_) {
+      on_progress_();
       const int code = sqlite3_step(all_.get());
       if (code != SQLITE_ROW) {
         is_done_ = true;
@@ -88,7 +106,14 @@ class SqliteBag : public BagReader {
         break;
       }
       row_ = static_cast<std::uint64_t>(sqlite3_column_int64(all_.get(), 0));
-      if (auto message = message_of(all_.get())) return message;
+      auto message = message_of(all_.get());
+      if (!message) continue;
+      read_bytes_ += message->size;
+      if (is_plausibly_packed(file_bytes_, read_bytes_)) return message;
+      lose("from row " + std::to_string(row_) +
+           " on nothing is read, because the messages have over " +
+           std::to_string(read_bytes_ >> 20) + " MB: no recording packs so well");
+      is_done_ = true;
     }
     return std::nullopt;
   }
@@ -164,6 +189,9 @@ class SqliteBag : public BagReader {
   }
 
   std::string path_;
+  std::uint64_t file_bytes_;
+  std::uint64_t read_bytes_ = 0;  ///< unpacked, by next()
+  std::function<void()> on_progress_;
   Database database_;
   Statement all_, one_;
   std::map<sqlite3_int64, std::size_t> topic_of_id_;
@@ -195,17 +223,19 @@ Format format_of(const std::string& path) {
 
 bool is_bag(const std::string& path) { return format_of(path) != Format::kNone; }
 
-std::unique_ptr<BagReader> open_bag(const std::string& path) {
+std::unique_ptr<BagReader> open_bag(const std::string& path,
+                                    const std::function<void()>& on_progress) {
   const Format format = format_of(path);
   if (format == Format::kNone) {
     throw FileError(path +
                     ": not a supported bag; give a rosbag 2.0, MCAP or sqlite3 (rosbag2) bag");
   }
-  if (format == Format::kSqlite) return std::make_unique<SqliteBag>(path);
+  if (format == Format::kSqlite) return std::make_unique<SqliteBag>(path, on_progress);
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
   if (!*file) throw FileError(path + ": cannot be opened");
   return std::make_unique<RecordBag>(
-      std::move(file), format == Format::kRosbag ? make_rosbag_format() : make_mcap_format());
+      std::move(file), format == Format::kRosbag ? make_rosbag_format() : make_mcap_format(),
+      on_progress);
 }
 
 std::vector<std::string> bag_files(const std::string& folder) {

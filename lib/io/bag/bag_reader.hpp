@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,8 +38,8 @@ struct BagMessage {
 
 /// Reads a ROS 1 or ROS 2 bag from its beginning to its end.
 ///
-/// Messages above 64 MB and chunks above 256 MB are not read. Damaged parts are skipped and listed
-/// in losses(); they are not errors.
+/// Messages above 64 MB, chunks above 128 MB and what unpacks implausibly (unpacking_budget.hpp)
+/// are not read. Damaged parts are skipped and listed in losses(); they are not errors.
 class BagReader {
  public:
   static constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
@@ -64,8 +65,10 @@ class BagReader {
 /// Whether a file begins like a bag: rosbag's "#ROSBAG V2.0", or the magic of MCAP or SQLite.
 bool is_bag(const std::string& path);
 
-/// Opens a bag of any of the three formats. Throws FileError for another file.
-std::unique_ptr<BagReader> open_bag(const std::string& path);
+/// Opens a bag of any of the three formats. `on_progress` is called every few milliseconds of
+/// reading and may throw. Throws FileError for another file.
+std::unique_ptr<BagReader> open_bag(const std::string& path,
+                                    const std::function<void()>& on_progress);
 
 /// Lists the files of a bag that rosbag2 wrote as a folder, in order of their names; empty if the
 /// folder has none. Throws FileError for files that are compressed as a whole.

@@ -264,19 +264,22 @@ struct BagRecording::Impl {
     MessageType type;
   };
 
-  void index(std::size_t file, const std::function<void(std::uint64_t)>& progress);
+  void index(std::size_t file);
+  void report(std::size_t file) const;
   std::size_t topic_number(const BagTopic& topic);
   void choose(const BagOptions& options);
   Decoded decode(const Entry& entry, const BagMessage& message);
   Decoded decode_odometry(const BagMessage& message, ros::Wire wire);
   void ignore(std::size_t topic, const std::string& why);
 
+  Progress progress;
   std::vector<std::string> paths;
   std::vector<std::unique_ptr<BagReader>> readers;
   std::vector<Topic> topics;
   std::array<std::string, kNumBagKinds> chosen;
   ros::CloudSlice slice;
   std::vector<Entry> entries;
+  bool is_indexed = false;
   std::size_t position = 0;
   std::array<std::optional<std::int64_t>, kNumBagKinds> last_utime;
   std::optional<pose::PoseFix> last_place;
@@ -306,8 +309,7 @@ void BagRecording::Impl::ignore(std::size_t topic, const std::string& why) {
 }
 
 /// Examines every message of a file once.
-void BagRecording::Impl::index(std::size_t file,
-                               const std::function<void(std::uint64_t)>& progress) {
+void BagRecording::Impl::index(std::size_t file) {
   constexpr std::size_t kMaxTopics = 60000;
   BagReader& reader = *readers[file];
   std::vector<std::size_t> number_of;  // index into topics by the reader's own index
@@ -317,7 +319,6 @@ void BagRecording::Impl::index(std::size_t file,
     }
     const std::size_t topic = number_of[message->topic];
     ++topics[topic].found.num_messages;
-    progress(reader.position());
     if (topics[topic].type == MessageType::kNone || topic > kMaxTopics) continue;
     const auto header =
         ros::decode_header(message->data, message->size, reader.topics()[message->topic].wire);
@@ -334,6 +335,17 @@ void BagRecording::Impl::index(std::size_t file,
     entry.topic = static_cast<std::uint16_t>(topic);
     entries.push_back(entry);
   }
+}
+
+/// Reports progress while a file is read: in its bytes at first, then in messages.
+void BagRecording::Impl::report(std::size_t file) const {
+  if (is_indexed) return progress(position, entries.size());
+  std::uint64_t total = 0, done = 0;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    total += readers[i]->size();
+    if (i < file) done += readers[i]->size();
+  }
+  if (file < readers.size()) progress(done + readers[file]->position(), total);
 }
 
 /// Keeps the messages of the chosen topics, in order of (time, kind, file, place).
@@ -449,16 +461,13 @@ BagRecording::BagRecording(const std::vector<std::string>& paths, const BagOptio
   if (paths.empty() || paths.size() > kMaxFiles) throw FileError("give 1 to 10000 bags");
   impl_->paths = paths;
   impl_->slice = options.slice;
-  std::uint64_t total = 0, done = 0;
-  for (const std::string& path : paths) {
-    impl_->readers.push_back(open_bag(path));
-    total += impl_->readers.back()->size();
-  }
+  impl_->progress = progress;
   for (std::size_t file = 0; file < paths.size(); ++file) {
-    impl_->index(file, [&](std::uint64_t position) { progress(done + position, total); });
-    done += impl_->readers[file]->size();
+    impl_->readers.push_back(open_bag(paths[file], [this, file] { impl_->report(file); }));
   }
+  for (std::size_t file = 0; file < paths.size(); ++file) impl_->index(file);
   impl_->choose(options);
+  impl_->is_indexed = true;
 }
 
 BagRecording::~BagRecording() = default;
@@ -466,6 +475,7 @@ BagRecording::~BagRecording() = default;
 std::optional<SensorMessage> BagRecording::next() {
   while (impl_->position < impl_->entries.size()) {
     const Entry& entry = impl_->entries[impl_->position++];
+    impl_->report(entry.file);
     const auto message = impl_->readers[entry.file]->at(entry.place);
     if (!message) {
       impl_->ignore(entry.topic, "cannot be read a second time");

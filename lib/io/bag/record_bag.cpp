@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <utility>
+
+#include "io/unpacking_budget.hpp"
 
 namespace orchard::io {
 namespace {
@@ -46,10 +49,12 @@ std::string unpack_bz2(const std::uint8_t* data, std::size_t size, std::vector<s
   return code == BZ_OK ? "" : "damaged (bz2 error " + std::to_string(code) + ")";
 }
 
-constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxChunkBytes = std::size_t{128} << 20;
 constexpr std::size_t kMaxLosses = 100;
 constexpr std::size_t kMaxTopics = 10000;
-constexpr std::size_t kRecentChunks = 8;                  // for topics whose times differ slightly
+constexpr std::size_t kRecentChunks = 8;  // for topics whose times differ slightly
+constexpr std::size_t kRecentBytes = std::size_t{64} << 20;  // and of these together
+constexpr std::uint64_t kProgressSteps = 4096;               // records, or bytes of damage
 constexpr std::size_t kHeadBytes = std::size_t{1} << 17;  // enough to determine any record's size
 
 std::string at_byte(std::uint64_t place) { return "at byte " + std::to_string(place) + ": "; }
@@ -85,8 +90,16 @@ std::size_t zstd_size(const std::uint8_t* data, std::size_t size, std::size_t mo
   return length <= most_bytes ? static_cast<std::size_t>(length) : 0;
 }
 
-RecordBag::RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format)
-    : window_(std::move(stream)), format_(std::move(format)), position_(format_->magic_bytes()) {}
+RecordBag::RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format,
+                     std::function<void()> on_progress)
+    : window_(std::move(stream)),
+      format_(std::move(format)),
+      position_(format_->magic_bytes()),
+      on_progress_(std::move(on_progress)) {}
+
+void RecordBag::count_step() {
+  if (++num_steps_ % kProgressSteps == 0) on_progress_();
+}
 
 std::optional<BagMessage> RecordBag::next() {
   while (true) {
@@ -94,6 +107,7 @@ std::optional<BagMessage> RecordBag::next() {
       if (auto message = next_in_chunk()) return message;
       continue;
     }
+    count_step();
     const std::uint64_t place = position_;
     const FileWindow::View head = window_.at(place, kHeadBytes);
     if (head.size == 0) return std::nullopt;
@@ -121,6 +135,14 @@ std::optional<BagMessage> RecordBag::next() {
     } else if (const auto* topic = std::get_if<TopicRecord>(&record)) {
       add_topic(*topic);
     } else if (const auto* chunk = std::get_if<ChunkRecord>(&record)) {
+      on_progress_();
+      unpacked_bytes_ += chunk->unpacked_size;
+      if (!is_plausibly_packed(window_.size(), unpacked_bytes_)) {
+        lose(at_byte(place) + "what follows is not read, because the chunks unpack to over " +
+             std::to_string(unpacked_bytes_ >> 20) + " MB: no recording packs so well");
+        position_ = window_.size();
+        return std::nullopt;
+      }
       if (auto content = content_of(*chunk, place)) {
         chunk_ = Chunk{place, std::move(*content), 0};
       }
@@ -135,6 +157,7 @@ std::optional<BagMessage> RecordBag::next() {
 
 std::optional<BagMessage> RecordBag::next_in_chunk() {
   while (chunk_->position < chunk_->content.size()) {
+    count_step();
     const std::uint64_t within = chunk_->position;
     const std::uint8_t* bytes = chunk_->content.data() + within;
     const std::size_t left = chunk_->content.size() - within;
@@ -172,8 +195,7 @@ std::optional<BagMessage> RecordBag::at(const BagPlace& place) {
     if (chunk == nullptr) return std::nullopt;
     auto content = content_of(*chunk, place.record);
     if (!content) return std::nullopt;
-    recent_.push_front(Chunk{place.record, std::move(*content), 0});
-    if (recent_.size() > kRecentChunks) recent_.pop_back();
+    keep_recent({place.record, std::move(*content), 0});
   } else {
     std::rotate(recent_.begin(), known, known + 1);
   }
@@ -186,6 +208,17 @@ std::optional<BagMessage> RecordBag::at(const BagPlace& place) {
   BagRecord record = format_->read(bytes, static_cast<std::size_t>(*size));
   const auto* message = std::get_if<MessageRecord>(&record);
   return message ? message_of(*message, place) : std::nullopt;
+}
+
+void RecordBag::keep_recent(Chunk chunk) {
+  recent_.push_front(std::move(chunk));
+  const auto bytes = [this] {
+    return std::accumulate(recent_.begin(), recent_.end(), std::size_t{0},
+                           [](std::size_t sum, const Chunk& c) { return sum + c.content.size(); });
+  };
+  while (recent_.size() > 1 && (recent_.size() > kRecentChunks || bytes() > kRecentBytes)) {
+    recent_.pop_back();
+  }
 }
 
 std::optional<FileWindow::View> RecordBag::record_at(std::uint64_t place) {
@@ -228,7 +261,12 @@ void RecordBag::add_topic(const TopicRecord& record) {
 std::optional<std::vector<std::uint8_t>> RecordBag::content_of(const ChunkRecord& chunk,
                                                                std::uint64_t place) {
   if (chunk.unpacked_size > kMaxChunkBytes) {
-    lose(at_byte(place) + "a chunk of more than 256 MB");
+    lose(at_byte(place) + "a chunk of more than 128 MB");
+    return std::nullopt;
+  }
+  if (!is_plausibly_packed(chunk.size, chunk.unpacked_size)) {
+    lose(at_byte(place) + "a chunk of " + std::to_string(chunk.size) + " bytes that unpacks to " +
+         std::to_string(chunk.unpacked_size) + ": no recording packs so well");
     return std::nullopt;
   }
   std::vector<std::uint8_t> content(static_cast<std::size_t>(chunk.unpacked_size));
@@ -246,6 +284,7 @@ void RecordBag::go_on_behind_damage(const std::string& why) {
   const std::uint64_t begin = position_;
   std::uint64_t place = begin + 1;
   for (; place < window_.size(); ++place) {
+    count_step();
     const FileWindow::View view = window_.at(place, 512);
     if (format_->begins_chunk(view.bytes, view.size)) break;
   }

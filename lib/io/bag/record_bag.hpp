@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <istream>
 #include <map>
 #include <memory>
@@ -14,45 +15,10 @@
 #include <vector>
 
 #include "io/bag/bag_reader.hpp"
+#include "io/byte_fields.hpp"
 #include "io/log/file_window.hpp"
 
 namespace orchard::io {
-
-/// Reads consecutive little-endian numbers and length-prefixed texts from bytes. Reading beyond the
-/// end gives 0 or empty values, and ok() is false from then on.
-class ByteFields {
- public:
-  ByteFields(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
-
-  template <class T>
-  T number() {
-    T value{};
-    if (const std::uint8_t* begin = take(sizeof(T))) std::memcpy(&value, begin, sizeof(T));
-    return value;
-  }
-  std::string text() {
-    const std::size_t size = number<std::uint32_t>();
-    const std::uint8_t* begin = take(size);
-    return begin ? std::string(reinterpret_cast<const char*>(begin), size) : std::string();
-  }
-  const std::uint8_t* take(std::uint64_t size) {
-    if (!ok_ || size > size_ - position_) {
-      ok_ = false;
-      return nullptr;
-    }
-    const std::uint8_t* begin = bytes_ + position_;
-    position_ += static_cast<std::size_t>(size);
-    return begin;
-  }
-  std::size_t left() const { return size_ - position_; }
-  bool ok() const { return ok_; }
-
- private:
-  const std::uint8_t* bytes_;
-  std::size_t size_;
-  std::size_t position_ = 0;
-  bool ok_ = true;
-};
 
 /// Contents of the records of a bag. Pointers point into the record.
 struct TopicRecord {
@@ -121,7 +87,8 @@ std::size_t zstd_size(const std::uint8_t* data, std::size_t size, std::size_t mo
 class RecordBag : public BagReader {
  public:
   /// The stream must be seekable and begin with the format's magic.
-  RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format);
+  RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format,
+            std::function<void()> on_progress);
 
   std::optional<BagMessage> next() override;
   std::optional<BagMessage> at(const BagPlace& place) override;
@@ -139,12 +106,14 @@ class RecordBag : public BagReader {
   };
 
   std::optional<BagMessage> next_in_chunk();
+  void keep_recent(Chunk chunk);
   std::optional<BagMessage> message_of(const MessageRecord& record, const BagPlace& place);
   void add_topic(const TopicRecord& record);
   std::optional<std::vector<std::uint8_t>> content_of(const ChunkRecord& chunk,
                                                       std::uint64_t place);
   void go_on_behind_damage(const std::string& why);
   void lose(const std::string& what);
+  void count_step();
   /// Returns the complete record at `place`; none when it ends beyond the file or is too large.
   std::optional<FileWindow::View> record_at(std::uint64_t place);
 
@@ -156,6 +125,9 @@ class RecordBag : public BagReader {
   std::map<std::uint32_t, std::size_t> topic_of_id_;
   std::vector<BagTopic> topics_;
   std::vector<std::string> losses_;
+  std::function<void()> on_progress_;
+  std::uint64_t num_steps_ = 0;
+  std::uint64_t unpacked_bytes_ = 0;  ///< of all chunks by next()
 };
 
 }  // namespace orchard::io

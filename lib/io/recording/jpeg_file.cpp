@@ -12,6 +12,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/unpacking_budget.hpp"
 
 namespace orchard::io {
 
@@ -39,6 +40,9 @@ std::optional<vision::Image> jpeg_image(const std::uint8_t* data, std::size_t si
       tjDecompressHeader3(decoder.get(), data, static_cast<unsigned long>(size), &image.width_px,
                           &image.height_px, &subsampling, &colour_space) == 0;
   if (!is_jpeg || image.width_px <= 0 || image.height_px <= 0) return std::nullopt;
+  const std::uint64_t num_bytes = std::uint64_t{3} * static_cast<unsigned>(image.width_px) *
+                                  static_cast<unsigned>(image.height_px);
+  if (!is_plausibly_packed(size, num_bytes)) return std::nullopt;
   image.data.assign(data, data + size);
   return image;
 }

@@ -17,6 +17,7 @@
 
 #include "io/file_error.hpp"
 #include "io/recording/jpeg_file.hpp"
+#include "io/unpacking_budget.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::io {
@@ -129,24 +130,29 @@ std::optional<vision::Image> png_image(const std::uint8_t* data, std::size_t siz
   for (const std::uint32_t side_px : {number(16), number(20)}) {
     if (side_px == 0 || side_px > kMaxSide_px) return std::nullopt;
   }
-  constexpr std::size_t kBitsAt = 24;  // physical: PNG specification, 11.2.2
+  constexpr std::size_t kBitsAt = 24, kColoursAt = 25;  // physical: PNG specification, 11.2.2
   if (colours == PngColours::kAsTheyAre && data[kBitsAt] > 8) return std::nullopt;
+  const bool is_grey =
+      colours == PngColours::kGrey || (colours == PngColours::kAsTheyAre && data[kColoursAt] == 0);
+  const std::uint64_t num_bytes = (is_grey ? 1u : 3u) * std::uint64_t{number(16)} * number(20);
+  if (!is_plausibly_packed(size, num_bytes)) return std::nullopt;
   const int mode = colours == PngColours::kGrey  ? cv::IMREAD_GRAYSCALE
                    : colours == PngColours::kBgr ? cv::IMREAD_COLOR
                                                  : cv::IMREAD_ANYCOLOR;
   const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1,
                       const_cast<std::uint8_t*>(data));  // OpenCV has no const matrix
-  cv::Mat pixels;
+  vision::Image image;
+  image.width_px = static_cast<int>(number(16));
+  image.height_px = static_cast<int>(number(20));
+  image.encoding = is_grey ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
+  image.data.resize(static_cast<std::size_t>(num_bytes));
+  cv::Mat pixels(image.height_px, image.width_px, is_grey ? CV_8UC1 : CV_8UC3, image.data.data());
+  bool is_read = false;
   try {
-    pixels = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
+    is_read = !cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION, &pixels).empty();
   } catch (const cv::Exception&) {
   }
-  if (pixels.empty()) return std::nullopt;
-  vision::Image image;
-  image.width_px = pixels.cols;
-  image.height_px = pixels.rows;
-  image.encoding = pixels.channels() == 1 ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
-  image.data.assign(pixels.datastart, pixels.dataend);
+  if (!is_read || pixels.data != image.data.data()) return std::nullopt;
   return image;
 }
 
@@ -154,9 +160,10 @@ vision::Image read_picture_file(const std::string& path) {
   const std::vector<std::uint8_t> bytes = read_picture_bytes(path);
   if (is_png(bytes.data(), bytes.size())) {
     if (auto image = png_image(bytes.data(), bytes.size(), PngColours::kGrey)) return *image;
-    throw FileError(path +
-                    ": is a damaged PNG picture, or has more than 8192 pixels per side; remove or "
-                    "replace it");
+    throw FileError(
+        path +
+        ": is a damaged PNG picture, has more than 8192 pixels per side, or far more pixels "
+        "than bytes; remove or replace it");
   }
   if (auto image = jpeg_image(bytes.data(), bytes.size())) return *image;
   throw FileError(path + ": is neither a JPEG nor a PNG picture; remove or convert it");

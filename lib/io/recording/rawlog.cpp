@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/recording/rawlog.hpp"
 
-#include <fcntl.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -14,13 +13,9 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -36,9 +31,11 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "io/confined.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/jpeg_file.hpp"
 #include "io/sane_limits.hpp"
+#include "io/unpacking_budget.hpp"
 
 namespace orchard::io {
 namespace {
@@ -59,6 +56,11 @@ std::uint64_t checked_size(const std::string& path) {
   int count = 0;
   while ((count = ::gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0) {
     size += static_cast<std::uint64_t>(count);
+    if (!is_plausibly_packed(static_cast<std::uint64_t>(::gzoffset(file)), size)) {
+      ::gzclose(file);
+      throw FileError(path + ": unpacks to over " + std::to_string(size >> 20) +
+                      " MB: no recording packs so well; it is made to exhaust who reads it");
+    }
   }
   int code = Z_OK;
   ::gzerror(file, &code);
@@ -68,20 +70,6 @@ std::uint64_t checked_size(const std::string& path) {
   }
   if (size == 0) throw FileError(path + " is empty; give an MRPT rawlog");
   return size;
-}
-
-constexpr bool has_sanitizer() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-  return true;
-#else
-  return false;
-#endif
-#else
-  return false;
-#endif
 }
 
 constexpr int kJpegQuality = 95;
@@ -110,32 +98,6 @@ vision::Image encode(const cv::Mat& picture, const std::string& path) {
   }
   return image;
 }
-
-/// Limits the growth of the process by that many bytes during its lifetime: a larger allocation
-/// throws std::bad_alloc. For single-threaded programs; has no effect under sanitizers, which
-/// reserve all address space.
-class MemoryLimit {
- public:
-  explicit MemoryLimit(std::uint64_t more_bytes) {
-    std::uint64_t num_pages = 0;
-    std::ifstream("/proc/self/statm") >> num_pages;
-    if (has_sanitizer() || num_pages == 0 || ::getrlimit(RLIMIT_AS, &before_) != 0) return;
-    rlimit limit = before_;
-    const std::uint64_t used = num_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    limit.rlim_cur =
-        static_cast<rlim_t>(std::min<std::uint64_t>(before_.rlim_cur, used + more_bytes));
-    active_ = ::setrlimit(RLIMIT_AS, &limit) == 0;
-  }
-  ~MemoryLimit() {
-    if (active_) ::setrlimit(RLIMIT_AS, &before_);
-  }
-  MemoryLimit(const MemoryLimit&) = delete;
-  MemoryLimit& operator=(const MemoryLimit&) = delete;
-
- private:
-  bool active_ = false;
-  rlimit before_{};
-};
 
 /// Converts MRPT's observations to messages, in the order of the rawlog.
 class RawlogCollector {
@@ -380,51 +342,14 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
   }
 }
 
-/// Runs in a child process; reports an error through the pipe, or nothing.
-[[noreturn]] void try_in_child(const std::string& path, std::uint64_t size, int pipe_end) {
-  constexpr std::uint64_t kSpareBytes = std::uint64_t{2} << 30;
-  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);  // MRPT prints to stdout and stderr
-  if (null >= 0) {
-    ::dup2(null, STDOUT_FILENO);
-    ::dup2(null, STDERR_FILENO);
-  }
-  std::string mistake;
-  try {
-    const MemoryLimit limit(kSpareBytes + 8 * size);
+/// Reads the file in a confined process first, because MRPT crashes on some damage (a class name
+/// changed to another). Throws FileError.
+void require_readable(const std::string& path, std::uint64_t size) {
+  read_confined(path, size, [&] {
     RawlogCollector collector(path);
     read_objects(path, size, collector);
-  } catch (const std::exception& error) {
-    mistake = error.what();
-  }
-  const bool is_written =
-      ::write(pipe_end, mistake.data(), mistake.size()) == static_cast<ssize_t>(mistake.size());
-  ::_exit(is_written ? 0 : 1);
-}
-
-/// Reads the file in a child process first, because MRPT crashes on some damage (a class name
-/// changed to another). Throws FileError if the child crashes or reports an error.
-void require_readable(const std::string& path, std::uint64_t size) {
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw FileError(path + ": the check of the file could not be started (pipe)");
-  const pid_t child = ::fork();
-  if (child == 0) try_in_child(path, size, ends[1]);
-  ::close(ends[1]);
-  std::string mistake;
-  char buffer[4096];
-  for (ssize_t count = 0; child > 0 && ((count = ::read(ends[0], buffer, sizeof(buffer))) > 0 ||
-                                        (count < 0 && errno == EINTR));) {
-    if (count > 0) mistake.append(buffer, static_cast<std::size_t>(count));
-  }
-  ::close(ends[0]);
-  if (child < 0) throw FileError(path + ": the check of the file could not be started (process)");
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!mistake.empty()) throw FileError(mistake);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw FileError(path + ": damaged so that MRPT cannot read it; copy it again");
-  }
+    return std::string();
+  });
 }
 
 }  // namespace

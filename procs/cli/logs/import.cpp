@@ -80,11 +80,10 @@ inline bus::Message as_message(io::SensorMessage sensed) {
 }
 
 /// Writes messages to a log until `next` returns none. `num_all`: their number, 0 when unknown.
-/// Throws io::FileError.
-Imported write_imported(const NextMessage& next, std::uint64_t num_all,
-                        const std::string& out_path) {
+/// Throws io::FileError, Interrupted.
+Imported write_imported(const NextMessage& next, std::uint64_t num_all, const std::string& out_path,
+                        InterruptibleWork& work) {
   make_parent_folder(out_path);
-  InterruptibleWork work("importing messages");
   io::LogWriter writer(out_path);
   Imported imported;
   RepeatedScans repeated;
@@ -158,11 +157,10 @@ int import_bags(const ImportOptions& options) {
   io::BagOptions bag_options;
   bag_options.topics = io::parse_topic_choices(options.topics);
   bag_options.slice = {options.slice_height_m, options.slice_thickness_m};
-  InterruptibleWork work("scanning bags");
+  InterruptibleWork work("importing bags");
   io::BagRecording recording(
       files_of(options.source_paths), bag_options,
       [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
-  work.finish();
   std::map<bus::Channel, std::int32_t> next_seq;
   std::map<std::string, std::int64_t> refused;
   const Imported imported = write_imported(
@@ -182,7 +180,7 @@ int import_bags(const ImportOptions& options) {
         }
         return std::nullopt;
       },
-      recording.num_messages(), options.out_path);
+      recording.num_messages(), options.out_path, work);
   for (const std::string& choice : recording.choices()) std::printf("%s\n", choice.c_str());
   print_imported(options.out_path, imported);
   print_ignored(recording.ignored());
@@ -219,16 +217,18 @@ int import_bot_core(const std::string& source_path, const ImportOptions& options
   bus::BotCoreTranslator translator(rig.drivers.bot_core,
                                     static_cast<std::size_t>(rig.drivers.camera.max_bytes));
   io::LogReader log(source_path);
+  InterruptibleWork work("importing messages");
   const Imported imported = write_imported(
       [&]() -> std::optional<bus::Message> {
         while (const auto event = log.next()) {
+          work.update(0, 0);
           auto message =
               translator.translate(event->channel, event->data.data(), event->data.size());
           if (message) return message;
         }
         return std::nullopt;
       },
-      0, options.out_path);
+      0, options.out_path, work);
   if (imported.num_all == 0) {
     throw io::FileError(source_path +
                         ": has no message of libbot's types (planar_lidar_t, image_t, pose_t, "
@@ -267,19 +267,21 @@ int run_import(const ImportOptions& options) {
       if (!sensed) return std::nullopt;
       return as_message(std::move(*sensed));
     };
-    print_imported(options.out_path, write_imported(next, 0, options.out_path));
+    InterruptibleWork work("importing messages");
+    print_imported(options.out_path, write_imported(next, 0, options.out_path, work));
     print_mount(recording.laser().mount);
     return bus::kExitOk;
   }
   if (is_lcm_log(source_path)) return import_bot_core(source_path, options);
   const io::RawlogContent rawlog = io::read_rawlog(source_path);
   auto next = rawlog.messages.begin();
+  InterruptibleWork work("importing messages");
   print_imported(options.out_path, write_imported(
                                        [&]() -> std::optional<bus::Message> {
                                          if (next == rawlog.messages.end()) return std::nullopt;
                                          return as_message(*next++);
                                        },
-                                       rawlog.messages.size(), options.out_path));
+                                       rawlog.messages.size(), options.out_path, work));
   if (rawlog.laser_mount) print_mount(*rawlog.laser_mount);
   print_ignored(rawlog.ignored);
   return bus::kExitOk;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer/page_server.hpp"
 
-#include <httplib.h>
 #include <netinet/tcp.h>
 #include <sys/resource.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <limits>
@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "view/page.hpp"
+#include "viewer/bounded_http_server.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -28,6 +29,7 @@ constexpr int kThreads = PageServer::kStreamsMax + 12;
 constexpr int kNextPorts = 20;
 constexpr char kEditPath[] = "/api/edit";
 constexpr std::size_t kEditMax_bytes = 16384;
+constexpr std::size_t kHeadMax_bytes = 16384;   ///< of a request; browsers send a tenth
 constexpr std::size_t kPackedMin_bytes = 1400;  ///< less fits into one packet as it is
 constexpr std::size_t kParametersMax = 8, kParameterMax_bytes = 100;
 
@@ -47,18 +49,28 @@ void limit_files() {
 std::string cookie_token(const httplib::Request& request) {
   const std::string cookies = request.get_header_value("Cookie");
   const std::string name = "orchard_token=";
-  const auto at = cookies.find(name);
-  if (at == std::string::npos) return {};
-  const auto end = cookies.find(';', at);
-  return cookies.substr(at + name.size(), end == std::string::npos ? end : end - at - name.size());
+  for (std::size_t begin = 0; begin < cookies.size();) {
+    begin = std::min(cookies.find_first_not_of(' ', begin), cookies.size());
+    const std::size_t end = std::min(cookies.find(';', begin), cookies.size());
+    const std::string pair = cookies.substr(begin, end - begin);
+    if (pair.rfind(name, 0) == 0) return pair.substr(name.size());
+    begin = end + 1;
+  }
+  return {};
+}
+
+/// A host's name in the form in which names are compared (RFC 9110, 4.2.3).
+std::string in_lower_case(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
 }
 
 /// True if the request comes from this server's own page. Another page cannot send JSON without a
 /// preflight request, which is refused, and an Origin header must name this server.
 bool is_from_own_page(const httplib::Request& request) {
   if (request.get_header_value("Content-Type").rfind("application/json", 0) != 0) return false;
-  const std::string origin = request.get_header_value("Origin");
-  return origin.empty() || origin == "http://" + request.get_header_value("Host");
+  const std::string origin = in_lower_case(request.get_header_value("Origin"));
+  return origin.empty() || origin == "http://" + in_lower_case(request.get_header_value("Host"));
 }
 
 PageContent::Parameters parameters_of(const httplib::Request& request) {
@@ -135,10 +147,11 @@ bool is_loopback(const std::string& address) {
 
 /// True if a request's Host header is valid for a page of a loopback server. Another name that
 /// resolves to this host indicates a foreign page (DNS rebinding).
-bool is_own_host(const std::string& host, const std::string& address, int port) {
+bool is_own_host(const std::string& given, const std::string& address, int port) {
+  const std::string host = in_lower_case(given);
   const std::string at_port = ":" + std::to_string(port);
-  for (const std::string& name :
-       {std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"), address}) {
+  for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"),
+                                  std::string("[::1]"), in_lower_case(address)}) {
     if (host == name + at_port || host == name) return true;
   }
   return false;
@@ -170,7 +183,7 @@ struct PageServer::Impl {
   PageContent& content;
   PageServerOptions options;
   std::string url;
-  httplib::Server server;
+  BoundedHttpServer server{kHeadMax_bytes + kEditMax_bytes};
   std::atomic<bool> is_stopping{false};
   std::atomic<int> num_streams{0};
   std::thread thread;
@@ -267,11 +280,8 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
 void PageServer::Impl::set_up() {
   server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
   server.set_payload_max_length(kEditMax_bytes);
-  server.set_read_timeout(std::chrono::seconds(3));
-  server.set_write_timeout(std::chrono::seconds(3));
-  // One request per connection: the body of a rejected request is not read and, on a persistent
-  // connection, would be parsed as the next request, with arbitrary headers.
-  server.set_keep_alive_max_count(1);
+  // One request per connection (BoundedHttpServer): the body of a rejected request is not read and,
+  // on a persistent connection, would be parsed as the next request, with arbitrary headers.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "io/atomic_file.hpp"
@@ -215,6 +216,7 @@ void Journal::write_header() {
 }
 
 void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
+  const std::lock_guard lock(adding_);
   if (waiting_.empty() || waiting_.back().records.size() > kBlockMax) waiting_.emplace_back();
   if (waiting_.size() > kWaitingMax) {
     num_dropped_ += waiting_.front().count;
@@ -247,13 +249,30 @@ void Journal::write_block(const std::string& records) {
 }
 
 void Journal::commit() {
-  if (waiting_.empty()) return;
-  if (size_ == 0) write_header();  // the disk was full at the start
-  while (!waiting_.empty()) {
-    write_block(num_dropped_ > 0 ? gap_of(num_dropped_) + waiting_.front().records
-                                 : waiting_.front().records);
-    num_dropped_ = 0;
-    waiting_.erase(waiting_.begin());
+  const std::lock_guard alone(committing_);
+  std::vector<Waiting> blocks;
+  std::uint32_t num_dropped = 0;
+  {
+    const std::lock_guard lock(adding_);
+    blocks.swap(waiting_);
+    num_dropped = std::exchange(num_dropped_, 0);
+  }
+  if (blocks.empty()) return;
+  std::size_t num_written = 0;
+  try {
+    if (size_ == 0) write_header();  // the disk was full at the start
+    for (const Waiting& block : blocks) {
+      write_block(num_dropped > 0 ? gap_of(num_dropped) + block.records : block.records);
+      num_dropped = 0;
+      ++num_written;
+    }
+  } catch (const FileError&) {  // they still wait
+    const std::lock_guard lock(adding_);
+    const auto left = blocks.begin() + static_cast<std::ptrdiff_t>(num_written);
+    waiting_.insert(waiting_.begin(), std::make_move_iterator(left),
+                    std::make_move_iterator(blocks.end()));
+    num_dropped_ += num_dropped;
+    throw;
   }
   if (::fdatasync(fd_) != 0) {
     throw FileError(path_ + ": cannot be synced to the disk (" + std::strerror(errno) + ")");

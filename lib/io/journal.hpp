@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,8 +54,8 @@ class Journal {
 
   static constexpr std::uint8_t kGapKind = 254;
 
-  /// Adds a record to the next commit(). If the file cannot be written for long, the oldest waiting
-  /// records are dropped, which the file then says.
+  /// Adds a record to the next commit(); also while one runs in another thread. If the file cannot
+  /// be written for long, the oldest waiting records are dropped, which the file then says.
   void add(std::uint8_t kind, const void* bytes, std::size_t size);
 
   /// Writes and syncs the waiting records. Throws FileError (full disk); then they still wait, and
@@ -73,6 +74,8 @@ class Journal {
   std::int64_t identity_;
   int fd_ = -1;
   std::uint64_t size_ = 0;
+  std::mutex committing_;          ///< one commit() at a time
+  std::mutex adding_;              ///< of what follows
   std::vector<Waiting> waiting_;   ///< oldest first; records are added to the last one
   std::uint32_t num_dropped_ = 0;  ///< since the last block was written
 };

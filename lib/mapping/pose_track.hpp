@@ -44,6 +44,8 @@ class PoseTrack {
   /// [m].
   double correct(const pose::Trajectory& trajectory);
 
+  std::size_t size() const { return poses_.size(); }
+
   /// All poses in order of utime.
   std::vector<pose::PoseEstimate> poses() const;
 

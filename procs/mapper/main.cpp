@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <malloc.h>
+
 #include <string>
 
 #include "bus/process/process.hpp"
@@ -21,11 +23,12 @@ int main(int argc, char** argv) {
   info.alone = true;
   info.lockstep = &lockstep;
   orchard::io::RigFile rig;
+  ::mallopt(M_ARENA_MAX, 1);  // what a save takes, the next one takes again, whatever its thread
   orchard::procs::MapperProcess mapper;
   return orchard::bus::run_node_process(
       argc, argv, info, rig,
       [&] { return mapper.make_node(rig.config(), rig.effective().hash, folder, lockstep); },
       [&](orchard::bus::Node& node, const orchard::bus::SaveRequest& request) {
-        mapper.save(node, request);
+        return mapper.save(node, request);
       });
 }

@@ -93,6 +93,9 @@ class MapperNode : public bus::Node {
   /// of the map is the same.
   void set_has_readers(bool has_readers) { has_readers_ = has_readers; }
 
+  /// Number of all POSE.
+  std::size_t num_poses() const { return track_.size(); }
+
   /// Number of all landmarks, including those with few observations.
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 

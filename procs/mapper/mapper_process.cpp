@@ -22,44 +22,63 @@
 namespace orchard::procs {
 namespace {
 
-/// derived: Max number of landmarks for saving the whole folder in a running process. Drawing more
-/// takes over 0.1 s, during which the node waits; these are drawn at the end.
+/// derived: Max number of landmarks for saving the whole folder in a running process. Finishing
+/// more takes over 0.1 s, during which the node waits; these are saved at the end.
 constexpr std::size_t kDrawnLiveMax = 3000;
 
 /// derived: One save of map.csv is passed over per this many landmarks: finishing a large map takes
 /// long.
 constexpr std::size_t kSavedEachTime = 1000;
 
+/// derived: The whole folder holds the whole drive: written each time that it has grown by an
+/// eighth, a pose is written nine times, however long the drive.
+constexpr std::size_t kGrowthParts = 8;
+
 }  // namespace
 
-void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
-  if (folder_.empty()) return;
+bus::Writing MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
+  if (folder_.empty()) return {};
   // The first save writes all files while the map is still small, so that users find every file.
-  const bool live = request.kind != bus::SaveKind::kFinal;
-  const bool quick =
-      request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMax;
-  if (live && quick && !saved_table_.empty()) {
-    if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return;
+  const bool is_live = request.kind != bus::SaveKind::kFinal && is_begun_;
+  const bool is_quick = request.kind == bus::SaveKind::kQuick ||
+                        mapper.num_landmarks() > kDrawnLiveMax ||
+                        mapper.num_poses() < num_poses_in_all_ + num_poses_in_all_ / kGrowthParts;
+  if (is_live && is_quick) {
+    if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return {};
     num_passed_over_ = 0;
-    save_table(mapper.finished_landmarks());
-  } else {
-    save_folder(mapper, request.traffic);
+    return save_table(mapper.finished_landmarks());
   }
+  is_begun_ = true;
+  num_poses_in_all_ = mapper.num_poses();
+  return save_folder(mapper, request.traffic);
 }
 
 void MapSaver::begin_new_map() {
-  saved_table_.clear();
+  {
+    const std::lock_guard lock(saved_->writing);
+    saved_->is_over = true;
+  }
+  saved_ = std::make_shared<Saved>();
+  is_begun_ = false;
+  num_poses_in_all_ = 0;
   num_passed_over_ = 0;
 }
 
-void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
-  std::string table = io::map_csv(landmarks);
-  if (table == saved_table_) return;
-  io::write_file_atomically((std::filesystem::path(folder_) / "map.csv").string(), table);
-  saved_table_ = std::move(table);
+void MapSaver::write_table(const std::string& folder, std::string table, Saved& saved) {
+  if (table == saved.table) return;
+  io::write_file_atomically((std::filesystem::path(folder) / "map.csv").string(), table);
+  saved.table = std::move(table);
 }
 
-void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) {
+bus::Writing MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) const {
+  return [folder = folder_, table = io::map_csv(landmarks), saved = saved_]() mutable {
+    const std::lock_guard lock(saved->writing);
+    if (!saved->is_over) write_table(folder, std::move(table), *saved);
+  };
+}
+
+bus::Writing MapSaver::save_folder(const MapperNode& mapper,
+                                   const bus::TrafficCounts& traffic) const {
   io::MapSummary summary;
   summary.source = "live";
   summary.config_hash = config_hash_;
@@ -69,19 +88,24 @@ void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& t
   if (std::string warning = mapper.warning(); !warning.empty()) {
     summary.warnings.push_back(std::move(warning));
   }
-  io::MapFolderContent content = mapper.content(summary);
-  if (!content.trajectory.empty()) {
-    content.summary.first_utime = content.trajectory.front().utime;
-    content.summary.last_utime = content.trajectory.back().utime;
+  auto content = std::make_shared<io::MapFolderContent>(mapper.content(summary));
+  if (!content->trajectory.empty()) {
+    content->summary.first_utime = content->trajectory.front().utime;
+    content->summary.last_utime = content->trajectory.back().utime;
   }
-  std::error_code ignored;  // the write below reports it
-  std::filesystem::create_directories(folder_, ignored);
-  save_table(content.landmarks);
-  io::write_map_folder(folder_, content);
-  saved_table_ = io::map_csv(content.landmarks);
-  // The content of a long drive takes tens of megabytes, which the allocator would keep.
-  content = {};
-  ::malloc_trim(0);
+  return [folder = folder_, content, saved = saved_]() mutable {
+    const std::lock_guard lock(saved->writing);
+    if (saved->is_over) return;
+    std::error_code ignored;  // the write below reports it
+    std::filesystem::create_directories(folder, ignored);
+    std::string table = io::map_csv(content->landmarks);
+    write_table(folder, table, *saved);
+    io::write_map_folder(folder, *content);
+    saved->table = std::move(table);
+    // The content of a long drive takes tens of megabytes, which the allocator would keep.
+    content.reset();
+    ::malloc_trim(0);
+  };
 }
 
 namespace {
@@ -171,7 +195,7 @@ std::string JournaledMapper::resume(const std::function<void()>& on_progress) {
                     "restart the map lacks what they showed",
                     reading.num_missing, path));
   }
-  journal_ = std::make_unique<io::Journal>(path, config_hash_, reading.num_good_bytes);
+  journal_ = std::make_shared<io::Journal>(path, config_hash_, reading.num_good_bytes);
   if (reading.num_records > 0) {
     spdlog::info("resuming the map in {}: {} landmarks, {} messages of the journal replayed",
                  place_.folder(), mapper_->num_landmarks(), reading.num_records);
@@ -229,7 +253,7 @@ void JournaledMapper::begin_new_map(const std::string& why) {
     add_note(std::move(note));
   }
   make_mapper();
-  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), config_hash_, 0);
+  journal_ = std::make_shared<io::Journal>(place_.file(kJournalName), config_hash_, 0);
   epoch_ = 0;
   resumed_.clear();
 }
@@ -287,14 +311,16 @@ void JournaledMapper::flush(const bus::Outbox& send) {
   mapper_->flush(send);
 }
 
-void JournaledMapper::commit() {
-  if (place_.free_bytes() < kReserved_bytes) {
-    throw io::FileError(
-        fmt::format("{}: less than {} MB are free on the disk, so the journal is stopped: a "
-                    "restarted mapper would lose all later messages; free disk space",
-                    place_.file(kJournalName), kReserved_bytes >> 20));
-  }
-  journal_->commit();
+bus::Writing JournaledMapper::commit() const {
+  return [journal = journal_, &place = place_] {
+    if (place.free_bytes() < kReserved_bytes) {
+      throw io::FileError(
+          fmt::format("{}: less than {} MB are free on the disk, so the journal is stopped: a "
+                      "restarted mapper would lose all later messages; free disk space",
+                      place.file(kJournalName), kReserved_bytes >> 20));
+    }
+    journal->commit();
+  };
 }
 
 std::string JournaledMapper::warning() const {
@@ -317,7 +343,7 @@ std::unique_ptr<bus::Node> MapperProcess::make_node(const io::Config& config,
     if (lockstep) return std::make_unique<MapperNode>(config);
     auto mapper = std::make_unique<JournaledMapper>(config, config_hash, *place_);
     mapper->before_new_map([this](const MapperNode& earlier) {
-      saver_->save(earlier, {bus::SaveKind::kFinal, {}});
+      saver_->save(earlier, {bus::SaveKind::kFinal, {}})();
       saver_->begin_new_map();
     });
     return mapper;
@@ -326,7 +352,7 @@ std::unique_ptr<bus::Node> MapperProcess::make_node(const io::Config& config,
   }
 }
 
-void MapperProcess::save(bus::Node& node, const bus::SaveRequest& request) {
+bus::Writing MapperProcess::save(bus::Node& node, const bus::SaveRequest& request) {
   auto* journaled = dynamic_cast<JournaledMapper*>(&node);
   if (journaled == nullptr) return saver_->save(dynamic_cast<const MapperNode&>(node), request);
   bus::SaveRequest all = request;
@@ -336,14 +362,16 @@ void MapperProcess::save(bus::Node& node, const bus::SaveRequest& request) {
   saver_->set_notes(journaled->notes());
   // Write the journal first, so that a restart can restore the map; save the map even if this
   // fails.
-  std::string not_kept;
-  try {
-    journaled->commit();
-  } catch (const io::FileError& error) {
-    not_kept = error.what();
-  }
-  saver_->save(journaled->mapper(), all);
-  if (!not_kept.empty()) throw io::FileError(not_kept);
+  return [commit = journaled->commit(), save = saver_->save(journaled->mapper(), all)] {
+    std::string not_kept;
+    try {
+      commit();
+    } catch (const io::FileError& error) {
+      not_kept = error.what();
+    }
+    if (save) save();
+    if (!not_kept.empty()) throw io::FileError(not_kept);
+  };
 }
 
 }  // namespace orchard::procs

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,32 +24,43 @@
 namespace orchard::procs {
 
 /// Writes the files of a mapper process, always of the finished map: map.csv when the map has
-/// changed, of a large map less often, and the whole folder when there is time and at the end.
+/// changed, of a large map less often, and the whole folder when the drive has grown by an eighth
+/// and at the end.
 class MapSaver {
  public:
   /// With an empty `folder` nothing is saved.
   MapSaver(std::string folder, std::int64_t config_hash)
       : folder_(std::move(folder)), config_hash_(config_hash) {}
 
-  /// Saves map.csv first, since it fits on a disk where the others do not. Throws io::FileError and
-  /// then leaves all other files as they were.
-  void save(const MapperNode& mapper, const bus::SaveRequest& request);
+  /// Takes the map to be saved, and returns its writing (bus::SaveHook), which may run in another
+  /// thread. It saves map.csv first, since it fits on a disk where the others do not; it throws
+  /// io::FileError and then leaves all other files as they were.
+  bus::Writing save(const MapperNode& mapper, const bus::SaveRequest& request);
 
   /// Sets warnings for summary.json in addition to the mapper's own.
   void set_notes(std::vector<std::string> notes) { notes_ = std::move(notes); }
 
-  /// Forgets the saved map: the next save is of another one.
+  /// Forgets the saved map, of which nothing is written any more: the next save is of another one.
   void begin_new_map();
 
  private:
-  void save_table(const std::vector<mapping::Landmark>& landmarks);
-  void save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic);
+  /// What writings of one map know of each other.
+  struct Saved {
+    std::mutex writing;
+    std::string table;     ///< content of map.csv in the folder; empty: unknown
+    bool is_over = false;  ///< another map has begun
+  };
+  static void write_table(const std::string& folder, std::string table, Saved& saved);
+  bus::Writing save_table(const std::vector<mapping::Landmark>& landmarks) const;
+  bus::Writing save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) const;
 
   std::string folder_;
   std::int64_t config_hash_;
   std::vector<std::string> notes_;
-  std::string saved_table_;          ///< content of map.csv in the folder; empty: unknown
-  std::size_t num_passed_over_ = 0;  ///< saves of map.csv since the last
+  std::shared_ptr<Saved> saved_ = std::make_shared<Saved>();
+  bool is_begun_ = false;             ///< the whole folder was saved
+  std::size_t num_poses_in_all_ = 0;  ///< when the whole folder was saved last
+  std::size_t num_passed_over_ = 0;   ///< saves of map.csv since the last
 };
 
 /// A mapper that can resume its map after a restart: beside the map it keeps a journal of all its
@@ -76,9 +88,10 @@ class JournaledMapper : public bus::Node {
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
 
-  /// Writes the inputs since the last call to the journal. Throws io::FileError when they cannot be
-  /// written, or when they would take the disk space reserved for the map.
-  void commit();
+  /// Returns the writing of the inputs so far to the journal, which may run in another thread. It
+  /// throws io::FileError when they cannot be written, or when they would take the disk space
+  /// reserved for the map.
+  bus::Writing commit() const;
 
   /// Sets a function to be called before a map is set aside, so that its files can be saved in
   /// their last state.
@@ -108,7 +121,7 @@ class JournaledMapper : public bus::Node {
   std::int64_t config_hash_;
   io::MapFolderLock& place_;
   std::unique_ptr<MapperNode> mapper_;
-  std::unique_ptr<io::Journal> journal_;  ///< from start() on
+  std::shared_ptr<io::Journal> journal_;  ///< from start() on
   std::function<void(const MapperNode&)> before_new_map_;
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
   std::int64_t epoch_ = 0;  ///< of the journal's last record
@@ -125,8 +138,9 @@ class MapperProcess {
   std::unique_ptr<bus::Node> make_node(const io::Config& config, std::int64_t config_hash,
                                        const std::string& folder, bool lockstep);
 
-  /// Saves the node of make_node(). Throws io::FileError after saving as much as possible.
-  void save(bus::Node& node, const bus::SaveRequest& request);
+  /// Takes what is to be saved of the node of make_node(); its writing throws io::FileError after
+  /// saving as much as possible.
+  bus::Writing save(bus::Node& node, const bus::SaveRequest& request);
 
  private:
   std::optional<io::MapFolderLock> place_;

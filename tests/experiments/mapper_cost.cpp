@@ -99,12 +99,12 @@ int main(int argc, char** argv) {
       mapper.handle(*message, nowhere);
       if (utime >= next_commit) {
         const auto begun = std::chrono::steady_clock::now();
-        mapper.commit();
+        mapper.commit()();
         longest_commit_s = std::max(longest_commit_s, seconds_since(begun));
         next_commit = utime + 1000000;
       }
       if (utime >= next_save) {
-        saver.save(mapper.mapper(), {orchard::bus::SaveKind::kFull, {}});
+        saver.save(mapper.mapper(), {orchard::bus::SaveKind::kFinal, {}})();
         next_save = utime + 300000000;
       }
       if (++num % 20000 == 0) course.push_back(memory());

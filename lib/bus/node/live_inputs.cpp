@@ -38,7 +38,7 @@ std::string fraction(const char* what, std::int64_t num, std::int64_t num_all) {
 void Inbox::add(Arrival arrival) {
   Lane& lane = lane_of(arrival.message);
   const bool is_image = channel_of(arrival.message) == Channel::kImage;
-  if (is_image && lane.num_ready >= kImagesMax) drop_oldest_image();
+  if (is_image && needs_images_ && lane.num_ready >= kImagesMax) drop_oldest_image();
   if (lane.num_ready + lane.parked.size() >= kMessagesMax ||
       num_bytes_ + arrival.num_bytes > kBytesMax) {
     ++num_dropped_;

@@ -27,8 +27,8 @@ class Inbox {
   /// dropped.
   static constexpr std::size_t kMessagesMax = 2000;
   static constexpr std::size_t kBytesMax = 64 << 20;
-  /// Max number of images waiting for a slow node; beyond it the oldest is dropped, because the
-  /// newest matter.
+  /// Max number of images waiting for a slow node that can do nothing without them; beyond it the
+  /// oldest is dropped, because the newest matter.
   static constexpr std::size_t kImagesMax = 4;
 
   struct Arrival {
@@ -36,6 +36,9 @@ class Inbox {
     Message message;
     std::size_t num_bytes = 0;  ///< encoded size as received
   };
+
+  /// `needs_images`: false for a node that works without images and may use each of them late.
+  explicit Inbox(bool needs_images = true) : needs_images_(needs_images) {}
 
   void add(Arrival arrival);
 
@@ -66,6 +69,7 @@ class Inbox {
   void drop_oldest_image();
   void forget(Lane& lane, const Arrival& arrival);
 
+  bool needs_images_;
   std::deque<Arrival> ready_;
   std::array<Lane, kNumChannels> lanes_;
   std::size_t num_parked_ = 0;

@@ -20,6 +20,9 @@ constexpr std::chrono::seconds kFullSavePeriod{30};
 /// Max delay of a due save in favour of waiting messages.
 constexpr std::chrono::milliseconds kSaveDelayMax{100};
 
+/// How often the end of a save's writing is looked for.
+constexpr int kWritingPoll_ms = 50;
+
 /// After a stop, messages sent earlier still count although LCM's thread may not have read them
 /// all. They are received and then handled for at most these times.
 constexpr std::chrono::milliseconds kTakeInMax{500};
@@ -79,6 +82,7 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
       next_save_(Clock::now() + kSavePeriod),
       next_full_save_(Clock::now() + kFullSavePeriod),
       start_(Clock::now()),
+      inbox_(node.need_of(Channel::kImage) != InputNeed::kOptional),
       peers_(name, report_.host(), config.hash),
       alone_(alone) {
   for (const Channel channel : node.inputs()) {
@@ -109,11 +113,13 @@ void LiveNode::run(StopSignal& stop) {
   }
   process_arrived();
   host_.flush();
-  const std::string not_saved = save_now(SaveKind::kFinal);
+  end_save();
+  begin_save(SaveKind::kFinal);
+  end_save();
   report_.send(status());
   spdlog::info("stopped: {} messages used, {} sent, {} refused, {} lost", host_.num_handled(),
                host_.num_published(), bus_.counts().num_bad(), host_.sequence_counts().num_lost);
-  if (!not_saved.empty()) throw std::runtime_error("the final save failed: " + not_saved);
+  if (!save_mistake_.empty()) throw std::runtime_error("the final save failed: " + save_mistake_);
 }
 
 /// Waits until a message arrives, STATUS or a save is due, or an input has been silent for too
@@ -122,7 +128,9 @@ void LiveNode::wait(StopSignal& stop) {
   const Clock::time_point now = Clock::now();
   int timeout_ms = std::min(report_.ms_until_due(), inputs_.ms_until_change(now));
   if (const auto ms = inbox_.ms_until_next(now)) timeout_ms = std::min(timeout_ms, *ms);
-  if (save_ && changed_) {
+  if (writing_.valid()) {
+    timeout_ms = std::min(timeout_ms, kWritingPoll_ms);
+  } else if (save_ && changed_) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_save_ - now);
     timeout_ms = std::clamp<int>(static_cast<int>(left.count()), 0, timeout_ms);
   }
@@ -220,34 +228,56 @@ bool LiveNode::handle_next() {
 }
 
 void LiveNode::save_when_due() {
-  if (!save_ || !changed_) return;
+  const auto has_ended = [this] {
+    return writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  if (writing_.valid() && has_ended()) end_save();
+  if (!save_ || !changed_ || writing_.valid()) return;
   const bool idle = inbox_.size() == 0;
   const Clock::time_point now = Clock::now();
   if (now < (idle ? next_save_ : next_save_ + kSaveDelayMax)) return;
   next_save_ = now + kSavePeriod;
   const bool full = idle && now >= next_full_save_;
-  save_now(full ? SaveKind::kFull : SaveKind::kQuick);
+  begin_save(full ? SaveKind::kFull : SaveKind::kQuick);
   if (full) next_full_save_ = Clock::now() + kFullSavePeriod;
 }
 
-std::string LiveNode::save_now(SaveKind kind) {
-  if (!save_) return {};
+/// Takes from the node what is to be saved, and begins to write it beside the node.
+void LiveNode::begin_save(SaveKind kind) {
+  if (!save_) return;
   changed_ = false;
   SaveRequest request{kind, host_.traffic()};
   request.traffic.num_rejected = bus_.counts().num_rejected;
   try {
-    save_(node_, request);
-    report_.set_error("");
-    is_save_failing_ = false;
-    return {};
+    if (Writing write = save_(node_, request)) {
+      writing_ = std::async(std::launch::async, std::move(write));
+    } else {
+      note_outcome("");
+    }
   } catch (const std::exception& error) {
-    // A full disk must not end the mapping; the last good file remains.
-    spdlog::error("not saved: {}", error.what());
-    report_.set_error(std::string("not saved: ") + error.what());
-    if (!is_save_failing_) report_.send_soon(false);
-    is_save_failing_ = true;
-    return error.what();
+    note_outcome(error.what());
   }
+}
+
+/// Waits for the writing of the last save.
+void LiveNode::end_save() {
+  if (!writing_.valid()) return;
+  try {
+    writing_.get();
+    note_outcome("");
+  } catch (const std::exception& error) {
+    note_outcome(error.what());
+  }
+}
+
+/// Reports how a save ended. A full disk must not end the mapping; the last good file remains.
+void LiveNode::note_outcome(std::string mistake) {
+  report_.set_error(mistake.empty() ? "" : "not saved: " + mistake);
+  if (!mistake.empty()) {
+    spdlog::error("not saved: {}", mistake);
+    if (save_mistake_.empty()) report_.send_soon(false);
+  }
+  save_mistake_ = std::move(mistake);
 }
 
 Status LiveNode::status() const {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <string>
 
 #include "bus/bus.hpp"
@@ -40,8 +41,9 @@ class LiveNode {
   void require_single_instance() const;
   void report();
   void save_when_due();
-  /// Returns an empty string, or the message of the exception thrown.
-  std::string save_now(SaveKind kind);
+  void begin_save(SaveKind kind);
+  void end_save();
+  void note_outcome(std::string mistake);
   Status status() const;
   std::string waiting_text() const;
   Level describe_inputs(std::string& text) const;
@@ -53,8 +55,9 @@ class LiveNode {
   SaveHook save_;
   Clock::time_point next_save_;
   Clock::time_point next_full_save_;
+  std::future<void> writing_;  ///< of the last save; not valid: it has ended
   bool changed_ = false;
-  bool is_save_failing_ = false;  ///< STATUS was already sent for this failure
+  std::string save_mistake_;  ///< why the last save failed; empty: it did not
   Clock::time_point start_;
   Inbox inbox_;
   InputWatch inputs_;

@@ -40,7 +40,7 @@ struct ProcessInfo {
 
 /// Kind of save, which limits how long it may take.
 enum class SaveKind {
-  kQuick,  ///< live, about once a second; the node waits for it
+  kQuick,  ///< live, about once a second
   kFull,   ///< live, every half minute, only while no message waits
   kFinal,  ///< once, after the flush
 };
@@ -51,9 +51,14 @@ struct SaveRequest {
   TrafficCounts traffic;  ///< counts so far
 };
 
-/// Saves a node's state; called when it may have changed since the last save. In a live process an
-/// exception is reported in STATUS and the process continues.
-using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
+/// The writing of what a SaveHook has taken from its node; in a live process it runs in a thread of
+/// its own, beside the node. Empty: nothing is to be written.
+using Writing = std::function<void()>;
+
+/// Takes from a node what is to be saved and returns its writing, which no longer needs the node;
+/// called when the node may have changed since the last save, and not before the last writing has
+/// ended. In a live process an exception of either is reported in STATUS and the process continues.
+using SaveHook = std::function<Writing(Node& node, const SaveRequest& request)>;
 
 /// Options of the command line that every process has.
 struct CommonOptions {

@@ -366,7 +366,8 @@ void LockstepNode::on_mark(const ReplayMark& mark) {
     fresh_ = false;
     answer(Channel::kReplay, {mark.utime, mark.seq}, [this] {
       host_->flush();
-      if (save_) save_(*node_, {SaveKind::kFinal, host_->traffic()});
+      const Writing write = save_ ? save_(*node_, {SaveKind::kFinal, host_->traffic()}) : Writing();
+      if (write) write();
       spdlog::info("lockstep: end of the log after {} inputs", host_->num_handled());
     });
     return;

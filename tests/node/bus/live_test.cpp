@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <functional>
+#include <future>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -160,7 +162,9 @@ std::vector<SaveRequest> run_behind(Recorder& node, int num_tenths) {
   Bus bus("memq://");
   std::vector<SaveRequest> saves;
   LiveNode live(bus, node, "orchard-recorder", io::EffectiveConfig{},
-                [&](Node&, const SaveRequest& request) { saves.push_back(request); });
+                [&](Node&, const SaveRequest& request) {
+                  return [&saves, request] { saves.push_back(request); };
+                });
   for (const Message& message : testing::fake_drive(num_tenths)) bus.publish(message);
   bus.publish(Channel::kScan, {1, 2, 3});
   raise(SIGTERM);
@@ -175,6 +179,20 @@ TEST(LiveNode, ASlowNodeGetsEveryScanButOnlyTheNewestImages) {
   EXPECT_EQ(node.scans.back(), 11);
   EXPECT_EQ(node.images, (std::vector<std::int32_t>{8, 9, 10, 11}));
   EXPECT_EQ(node.num_flushes, 1);
+}
+
+/// Works without images, and uses them whenever they come.
+class Photographer : public Recorder {
+ public:
+  InputNeed need_of(Channel channel) const override {
+    return channel == Channel::kImage ? InputNeed::kOptional : Recorder::need_of(channel);
+  }
+};
+
+TEST(LiveNode, ASlowNodeThatWorksWithoutImagesGetsAll) {
+  Photographer node;
+  run_behind(node, 12);
+  EXPECT_EQ(node.images.size(), 12u);
 }
 
 TEST(LiveNode, FewImagesAllArrive) {
@@ -193,6 +211,41 @@ TEST(LiveNode, TheLastSaveIsFinalAndKnowsWhatWasLost) {
   EXPECT_EQ(traffic.num_in[static_cast<std::size_t>(Channel::kImage)], 4);
   EXPECT_EQ(traffic.num_rejected[static_cast<std::size_t>(Reason::kTooShort)], 1);
   EXPECT_EQ(traffic.num_seq_gaps, 0) << "the first image to arrive is where its count begins";
+}
+
+/// Tells when it has its twelfth scan.
+class Awaited : public Recorder {
+ public:
+  void handle(const Message& input, const Outbox& send) override {
+    Recorder::handle(input, send);
+    if (scans.size() == 12 && !is_told_) twelve.set_value();
+    is_told_ = scans.size() == 12;
+  }
+  std::promise<void> twelve;
+
+ private:
+  bool is_told_ = false;
+};
+
+TEST(LiveNode, HandlesMessagesWhileASaveIsWritten) {
+  Awaited node;
+  StopSignal stop;
+  Bus bus("memq://");
+  const std::shared_future<void> twelve = node.twelve.get_future().share();
+  const std::vector<Message> drive = testing::fake_drive(12);
+  bool was_beside = false;
+  const auto save = [&](Node&, const SaveRequest& request) -> Writing {
+    if (request.kind == SaveKind::kFinal) return {};
+    for (std::size_t i = 1; i < drive.size(); ++i) bus.publish(drive[i]);
+    return [&] {  // in vain where the node waits for its saves
+      was_beside = twelve.wait_for(std::chrono::seconds(30)) == std::future_status::ready;
+      ::kill(::getpid(), SIGTERM);
+    };
+  };
+  LiveNode live(bus, node, "orchard-recorder", io::EffectiveConfig{}, save);
+  bus.publish(drive.front());
+  live.run(stop);
+  EXPECT_TRUE(was_beside);
 }
 
 /// Is busy with something else before it can take anything.

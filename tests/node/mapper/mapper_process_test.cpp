@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -59,7 +60,7 @@ TEST(JournaledMapper, KilledAnywhereItGoesOnAsIfItHadNotBeen) {
   for (int k = 0; k < 200; ++k) {
     process->drive.step(k, k);
     if (k % 10 != 9) continue;
-    process->node.commit();
+    process->node.commit()();
     if (k % 30 == 29) {  // killed
       process.reset();
       process = std::make_unique<Process>(rig(), folder.path());
@@ -98,7 +99,7 @@ TEST(JournaledMapper, ClocksThatAreSetBackMeanwhileOrBeforeLoseNothing) {
     std::unique_ptr<bus::NodeHost> host;
     for (std::size_t i = 0; i < collected.messages.size(); ++i) {
       if (i % 300 == 0) {
-        if (process) process->node.commit();
+        if (process) process->node.commit()();
         host.reset();
         process.reset();
         process = std::make_unique<Process>(rig(), folder.path());
@@ -146,7 +147,7 @@ TEST(JournaledMapper, ItGoesOnToTheLastByteOfItsMessages) {
       process->node.flush(kNowhere);
     }
     if (k % 25 == 24) {  // killed
-      process->node.commit();
+      process->node.commit()();
       process.reset();
       process = std::make_unique<Process>(rig(), folder.path());
     }
@@ -163,7 +164,7 @@ TEST(JournaledMapper, WhileItResumesOthersWork) {
   {
     Process process(rig(), folder.path());
     for (int k = 0; k < 500; ++k) process.drive.step(k, k);
-    process.node.commit();
+    process.node.commit()();
   }
   io::MapFolderLock place(folder.path());
   JournaledMapper node(rig(), 5, place);
@@ -177,7 +178,7 @@ TEST(JournaledMapper, AMapOfAProgramWithSnapshotsIsSetAside) {
   {
     Process process(rig(), folder.path());
     for (int k = 0; k < 10; ++k) process.drive.step(k, k);
-    process.node.commit();
+    process.node.commit()();
   }
   io::write_bytes(folder / "mapper.snapshot", "all before");
   Process process(rig(), folder.path());
@@ -192,7 +193,7 @@ TEST(JournaledMapper, WhatTheJournalLacksIsSaid) {
   {
     Process process(rig(), folder.path());
     process.drive.step(0, 0);
-    process.node.commit();
+    process.node.commit()();
   }
   {
     io::Journal journal(folder / "mapper.journal", 5,
@@ -215,7 +216,7 @@ TEST(JournaledMapper, StoppedAndStartedAgainItKeepsEveryId) {
     Process process(rig(), folder.path());
     for (int k = 0; k < 100; ++k) process.drive.step(k, k);
     process.node.flush(kNowhere);
-    process.node.commit();
+    process.node.commit()();
     before = table_of(process.node.mapper());
   }
   Process process(rig(), folder.path());
@@ -244,7 +245,7 @@ TEST(JournaledMapper, ADamagedJournalAndAnotherConfigurationBeginAnewAndKeepTheO
     Process process(rig(), folder.path());
     for (int k = 0; k < 100; ++k) {
       process.drive.step(k, k);
-      if (k % 10 == 9) process.node.commit();
+      if (k % 10 == 9) process.node.commit()();
     }
   }
   { EXPECT_NE(Process(rig(), folder.path(), 6).node.notes().front().find("another config"), 0u); }
@@ -307,6 +308,10 @@ void see_trees(MapperNode& mapper, int seq, int num_trees) {
   mapper.handle(pose, nowhere);
 }
 
+void write(const bus::Writing& writing) {
+  if (writing) writing();
+}
+
 bus::SaveRequest request(bus::SaveKind kind) {
   bus::SaveRequest request;
   request.kind = kind;
@@ -325,7 +330,7 @@ class MapSaverTest : public ::testing::Test {
  protected:
   MapSaverTest() {
     for (int seq = 0; seq < 5; ++seq) see_trees(mapper, seq, 2);
-    saver.save(mapper, request(bus::SaveKind::kQuick));
+    write(saver.save(mapper, request(bus::SaveKind::kQuick)));
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder / name); }
   void remove(const std::string& name) { std::filesystem::remove(folder / name); }
@@ -351,26 +356,57 @@ TEST_F(MapSaverTest, LaterQuickOnesWriteTheTableAloneAndOnlyAChangedOne) {
   const std::string before = io::read_bytes(folder / "map.csv");
   remove("map.png");
   remove("map.csv");
-  saver.save(mapper, request(bus::SaveKind::kQuick));
+  write(saver.save(mapper, request(bus::SaveKind::kQuick)));
   EXPECT_FALSE(exists("map.csv")) << "nothing has changed";
   for (int seq = 5; seq < 10; ++seq) see_trees(mapper, seq, 3);
-  saver.save(mapper, request(bus::SaveKind::kQuick));
+  write(saver.save(mapper, request(bus::SaveKind::kQuick)));
   EXPECT_NE(io::read_bytes(folder / "map.csv"), before);
   EXPECT_FALSE(exists("map.png"));
 }
 
+TEST_F(MapSaverTest, FullOnesWriteAllOnceTheDriveHasGrownByAnEighth) {
+  for (int seq = 5; seq < 80; ++seq) see_trees(mapper, seq, 2);
+  write(saver.save(mapper, request(bus::SaveKind::kFull)));
+  remove("map.png");
+  for (int seq = 80; seq < 89; ++seq) see_trees(mapper, seq, 2);
+  write(saver.save(mapper, request(bus::SaveKind::kFull)));
+  EXPECT_FALSE(exists("map.png")) << "9 of 80 poses more";
+  see_trees(mapper, 89, 2);
+  write(saver.save(mapper, request(bus::SaveKind::kFull)));
+  EXPECT_TRUE(exists("map.png")) << "10 of 80 poses more";
+}
+
+TEST_F(MapSaverTest, AWritingShowsTheMapFromWhichItWasTaken) {
+  for (int seq = 5; seq < 10; ++seq) see_trees(mapper, seq, 3);
+  const bus::Writing of_three = saver.save(mapper, request(bus::SaveKind::kQuick));
+  for (int seq = 10; seq < 15; ++seq) see_trees(mapper, seq, 5);
+  write(of_three);
+  const std::string table = io::read_bytes(folder / "map.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3) << table;
+}
+
+TEST_F(MapSaverTest, NothingOfAMapIsWrittenOnceAnotherHasBegun) {
+  for (int seq = 5; seq < 10; ++seq) see_trees(mapper, seq, 3);
+  const bus::Writing of_earlier = saver.save(mapper, request(bus::SaveKind::kQuick));
+  remove("map.csv");
+  saver.begin_new_map();
+  write(of_earlier);
+  EXPECT_FALSE(exists("map.csv"));
+}
+
 TEST_F(MapSaverTest, FullAndFinalOnesWriteAll) {
+  for (int seq = 5; seq < 10; ++seq) see_trees(mapper, seq, 2);
   for (const auto kind : {bus::SaveKind::kFull, bus::SaveKind::kFinal}) {
     remove("map.png");
     remove("map.csv");
-    saver.save(mapper, request(kind));
+    write(saver.save(mapper, request(kind)));
     EXPECT_TRUE(exists("map.png"));
     EXPECT_TRUE(exists("map.csv"));
   }
 }
 
 TEST(MapSaver, WithoutAFolderNothingIsSaved) {
-  MapSaver("", 0).save(MapperNode{io::Config{}}, request(bus::SaveKind::kFinal));
+  EXPECT_FALSE(MapSaver("", 0).save(MapperNode{io::Config{}}, request(bus::SaveKind::kFinal)));
   EXPECT_FALSE(std::filesystem::exists("map.csv"));
 }
 
@@ -391,7 +427,7 @@ int num_kills() {
   RowDrive drive(*node);
   for (;; ++k) {
     drive.step(k, k);
-    process.save(*node, {k % 2 == 0 ? bus::SaveKind::kFull : bus::SaveKind::kQuick, {}});
+    write(process.save(*node, {k % 2 == 0 ? bus::SaveKind::kFull : bus::SaveKind::kQuick, {}}));
     if (::write(told, &k, sizeof(k)) != sizeof(k)) ::_exit(1);
   }
 }

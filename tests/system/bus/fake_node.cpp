@@ -55,11 +55,12 @@ int main(int argc, char** argv) {
     return std::make_unique<Mute>(orchard::bus::testing::make_fake_node(role),
                                   std::atoi(mute_after.c_str()));
   };
-  const auto save = [&](Node&, const orchard::bus::SaveRequest& request) {
+  const auto save = [&](Node&, const orchard::bus::SaveRequest& request) -> orchard::bus::Writing {
     if (!saved.empty() && request.kind == orchard::bus::SaveKind::kFinal) {
       std::ofstream(saved) << "saved\n";
     }
-    if (!full_disk.empty()) throw std::runtime_error("map.csv: no space left on device");
+    if (full_disk.empty()) return {};
+    return [] { throw std::runtime_error("map.csv: no space left on device"); };
   };
   orchard::io::RigFile rig;
   return orchard::bus::run_node_process(argc, argv, info, rig, make_node, save);

@@ -21,6 +21,7 @@ import measure_kills
 import measure_laser
 import measure_link
 import measure_live
+import measure_pictures
 import measure_strangers
 import measure_two_machines
 import wire
@@ -39,7 +40,8 @@ MEASUREMENTS = {
         measure_strangers.twice,
         measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,
         measure_two_machines.two_machines, measure_laser.laser_unplug, measure_laser.laser_cable,
-        measure_laser.laser_stamps, measure_laser.laser_sums, measure_live.emulated, measure_day.day)
+        measure_laser.laser_stamps, measure_laser.laser_sums, measure_live.emulated, measure_day.day,
+        measure_pictures.pictures)
 }
 
 

@@ -456,7 +456,7 @@ def png_large(folder, url):
     return photographs(folder, png(8192, 8192), ".png")
 
 
-@bomb("a picture of 8192 x 8192 of 60,000 passes")
+@bomb("a picture of 8192 x 8192 of 5,000 passes")
 def jpeg_passes(folder, url):
     return photographs(folder, jpeg(8192, 8192, 5000), ".jpg")
 

@@ -130,8 +130,8 @@ void describe(Visitor& v, ImuDriverConfig& c) {
 
 /// Protocol of a laser scanner.
 enum class LaserProtocol {
-  kScip,   ///< Hokuyo: SCIP 2.0 and later
-  kColaA,  ///< SICK TiM3xx, TiM5xx, LMS1xx: CoLa-A
+  kScip,  ///< Hokuyo: SCIP 2.0 and later
+  kCola,  ///< SICK TiM3xx, TiM5xx, TiM7xx, LMS1xx, LMS5xx: CoLa-A and CoLa-B
 };
 
 /// The scanner of orchard-laser-driver. Section `drivers.laser`.
@@ -145,8 +145,7 @@ void describe(Visitor& v, LaserDriverConfig& c) {
   v.text("device", c.device,
          "address of the scanner: tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty = no "
          "scanner");
-  v.choice("protocol", c.protocol, {"scip", "cola_a"},
-           "protocol: scip for Hokuyo, cola_a for SICK");
+  v.choice("protocol", c.protocol, {"scip", "cola"}, "protocol: scip for Hokuyo, cola for SICK");
 }
 
 /// Addresses and settings of this machine's sensors. Section `drivers`.

@@ -12,7 +12,7 @@ std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol) {
   switch (protocol) {
     case LaserProtocol::kScip:
       return std::make_unique<ScipProtocol>();
-    case LaserProtocol::kColaA:
+    case LaserProtocol::kCola:
       return std::make_unique<ColaProtocol>();
   }
   throw std::invalid_argument("unknown scanner protocol");

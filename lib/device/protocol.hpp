@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "device/unit_counter.hpp"
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 
@@ -17,10 +19,20 @@ namespace orchard::device {
 /// A measurement of a device with a byte protocol. Protocols leave seq 0; the driver sets it.
 using Measurement = std::variant<laser::Scan, pose::Odometry, pose::Imu, pose::Gnss>;
 
-/// Numbers of units received from the device since the start, over all connections.
-struct ProtocolCounts {
-  std::int64_t num_good = 0;  ///< complete and valid units: a sweep, a line, a report
-  std::int64_t num_bad = 0;   ///< rejected units: checksum, length, number, range
+/// How serious a condition is; the values are those of STATUS.
+enum class Severity : std::int8_t { kNone = 0, kWaiting = 1, kWarning = 2, kError = 3 };
+
+/// What a device waits for, or what is wrong with it.
+struct Condition {
+  Severity severity = Severity::kNone;
+  std::string text;  ///< for the user; with kNone what is worth knowing, or empty
+
+  /// Adds what is also the case, after a semicolon.
+  void add(Severity more_severity, const std::string& more) {
+    if (more.empty()) return;
+    severity = std::max(severity, more_severity);
+    text += (text.empty() ? "" : "; ") + more;
+  }
 };
 
 /// Protocol of one device: bytes in, bytes out, measurements.
@@ -50,9 +62,8 @@ class Protocol {
   /// Why the connection must be closed and reopened, as text for the user; empty: no failure.
   virtual std::string failure() const = 0;
 
-  /// What the protocol waits for, or what is wrong, as text for the user; empty while measurements
-  /// arrive.
-  virtual std::string condition() const = 0;
+  /// What the protocol waits for, or what is wrong; Severity::kNone while measurements arrive.
+  virtual Condition condition() const = 0;
 
   virtual ProtocolCounts counts() const = 0;
 

@@ -9,7 +9,7 @@ void ScannerSession::reset_session() {
   buffer_.clear();
   to_send_.clear();
   failure_.clear();
-  trouble_.clear();
+  trouble_ = {};
   is_streaming_ = false;
   clock_.begin_connection();
 }
@@ -26,16 +26,16 @@ void ScannerSession::fail(const std::string& why) {
   deadline_utime_.reset();
 }
 
-void ScannerSession::bound_buffer() {
+void ScannerSession::bound_buffer(std::int64_t host_utime) {
   if (buffer_.size() <= kMaxReply) return;
   buffer_.clear();
-  ++counts_.num_bad;
+  units_.add_refused(host_utime, "a telegram without an end");
 }
 
 bool ScannerSession::may_restart() {
-  if (trouble_.empty()) trouble_ = "the scanner sends no scans";
+  if (trouble_.text.empty()) trouble_ = {Severity::kError, "the scanner sends no scans"};
   if (!is_streaming_) {
-    fail(trouble_);
+    fail(trouble_.text);
     return false;
   }
   is_streaming_ = false;
@@ -44,28 +44,33 @@ bool ScannerSession::may_restart() {
   return true;
 }
 
-void ScannerSession::take_scan(laser::Scan scan) {
+void ScannerSession::take_scan(laser::Scan scan, std::int64_t host_utime) {
   if (last_utime_ && scan.utime <= *last_utime_) {
-    ++counts_.num_bad;
-    return;
+    return units_.add_refused(host_utime, "its time is not later than that of the sweep before");
   }
   last_utime_ = scan.utime;
-  ++counts_.num_good;
+  units_.add_good(host_utime);
   measurements_.emplace_back(std::move(scan));
 }
 
 void ScannerSession::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
+  units_.host_clock_stepped();
   asked_utime_ += step_us;
   if (last_utime_) *last_utime_ += step_us;
   if (deadline_utime_) *deadline_utime_ += step_us;
 }
 
-std::string ScannerSession::condition() const {
-  if (!failure_.empty()) return failure_;
-  if (!trouble_.empty()) return trouble_;
-  if (num_asked_ > 1) return "waits for the scanner's answer to " + command_;
-  return is_streaming_ ? std::string() : "waits for the scanner's first scan";
+Condition ScannerSession::condition() const {
+  if (!failure_.empty()) return {Severity::kError, failure_};
+  Condition condition = trouble_;
+  condition.add(Severity::kWarning, units_.warning("sweeps"));
+  if (!condition.text.empty()) return condition;
+  if (num_asked_ > 1) {
+    return {Severity::kWaiting, "waits for the scanner's answer to " + command_};
+  }
+  if (!is_streaming_) return {Severity::kWaiting, "waits for the scanner's first scan"};
+  return {Severity::kNone, note()};
 }
 
 }  // namespace orchard::device

@@ -19,8 +19,8 @@ class ScannerSession : public Protocol {
   std::optional<std::int64_t> deadline() const override { return deadline_utime_; }
   void host_clock_stepped(std::int64_t step_us) override;
   std::string failure() const override { return failure_; }
-  std::string condition() const override;
-  ProtocolCounts counts() const override { return counts_; }
+  Condition condition() const override;
+  ProtocolCounts counts() const override { return units_.counts(); }
 
   const DeviceClock& clock() const { return clock_; }
 
@@ -43,24 +43,27 @@ class ScannerSession : public Protocol {
   void fail(const std::string& why);
 
   /// Drops the buffer when it exceeds kMaxReply: the reply has no end.
-  void bound_buffer();
+  void bound_buffer(std::int64_t host_utime);
 
   /// Handles missing sweeps. True: restart the dialogue; false: the connection has failed.
   bool may_restart();
 
   /// Adds a sweep, whose utime is set. Rejects it unless its utime is after that of the last sweep:
   /// the counter has jumped.
-  void take_scan(laser::Scan scan);
+  void take_scan(laser::Scan scan, std::int64_t host_utime);
+
+  /// What is worth knowing of a scanner that is well.
+  virtual std::string note() const { return {}; }
 
   DeviceClock clock_;
-  ProtocolCounts counts_;
+  UnitCounter units_;
   std::string buffer_;
   std::string command_;  ///< of the present step
   std::int64_t asked_utime_ = 0;
   std::optional<std::int64_t> deadline_utime_;
   int num_asked_ = 0;          ///< of the present step
   bool is_streaming_ = false;  ///< a sweep has arrived since the dialogue began
-  std::string trouble_;        ///< error reported by the scanner
+  Condition trouble_;          ///< what the scanner reports of itself
 
  private:
   std::optional<std::int64_t> last_utime_;

@@ -9,9 +9,10 @@ int main(int argc, char** argv) {
   info.name = "orchard-laser-driver";
   info.description =
       "Read a laser scanner over TCP or a serial line and send SCAN.\n"
-      "Supports Hokuyo (SCIP 2.0: URG-04LX-UG01, UTM-30LX, UST-10LX) and SICK (CoLa-A: TiM3xx, "
-      "TiM5xx,\n"
-      "LMS1xx). The time stamp is that of the first beam, by the clock of this machine.\n"
+      "Supports Hokuyo (SCIP 2.0: URG-04LX-UG01, UTM-30LX, UST-10LX) and SICK (CoLa-A and "
+      "CoLa-B:\n"
+      "TiM3xx, TiM5xx, TiM7xx, LMS1xx, LMS5xx). The time stamp is that of the first beam, by the "
+      "clock of this machine.\n"
       "Configuration: drivers.laser.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {

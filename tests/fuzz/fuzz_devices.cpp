@@ -12,6 +12,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "device/cola/cola_protocol.hpp"
+#include "device/cola/cola_telegram.hpp"
 #include "device/gnss/gpsd_protocol.hpp"
 #include "device/lines/controller_protocol.hpp"
 #include "device/scip/scip_protocol.hpp"
@@ -120,6 +121,34 @@ std::vector<std::string> cola_seeds() {
           "\x33" + refused + telegram(head + "1 " + distances + "0 0 0 0 0 0") + telegram("sFA 5")};
 }
 
+/// A binary telegram in its frame, whose content is given in hexadecimal digits after its name.
+std::string binary_telegram(const std::string& name, const std::string& digits) {
+  std::string content = name;
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
+    content += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  }
+  return device::framed(device::ColaDialect::kB, content);
+}
+
+std::vector<std::string> binary_cola_seeds() {
+  const std::string head =
+      "000100010089a27f0000001a001b000f42400010059000003f000000000005dc0000021c0000";
+  const std::string distances = "44495354313f80000000000000fff922300d05000501f4000003e80003ffff";
+  const std::string rssi = "52535349313f80000000000000fff922300d0500050001000200030004";
+  // Small pieces come before the first deadline: the second request is answered.
+  const std::string granted =
+      std::string(200, ' ') + binary_telegram("sEA LMDscandata ", "00") +
+      binary_telegram("sRA DeviceIdent ", "000454694d35000156") +
+      binary_telegram("sRA LMPoutputRange ", "000100000d05fff92230fff95645") +
+      binary_telegram("sAN SetAccessMode ", "01") + binary_telegram("sWA LMDscandatacfg ", "") +
+      binary_telegram("sAN Run ", "01") + binary_telegram("sEA LMDscandata ", "01");
+  const std::string sweep = "sSN LMDscandata ";
+  return {"\x10" + granted + binary_telegram(sweep, head + "0001" + distances + "0000"),
+          "\x25" + granted + binary_telegram(sweep, head + "0002" + distances + rssi + "00ff0000") +
+              binary_telegram("sFA ", "0005"),
+          "\x33" + granted + binary_telegram(sweep, head + "0001" + distances + "0001" + rssi)};
+}
+
 std::vector<std::string> gpsd_seeds() {
   const std::string fix =
       R"({"class":"TPV","device":"/dev/ttyACM0","status":3,"mode":3,)"
@@ -154,6 +183,7 @@ std::vector<std::string> seeds() {
     for (const std::string& seed : seeds_of) all.push_back(choice + seed);
     ++choice;
   }
+  for (const std::string& seed : binary_cola_seeds()) all.push_back('\1' + seed);
   return all;
 }
 

@@ -19,6 +19,9 @@ std::string join(const std::vector<std::string>& names) {
 /// Max duration of a poll: STATUS is due once a second.
 constexpr std::chrono::seconds kWaitMax{1};
 
+/// Min time between two texts of one level in the log.
+constexpr std::chrono::seconds kSayAgain{10};
+
 timespec to_timespec(std::chrono::nanoseconds time) {
   const auto ns = std::max<std::int64_t>(0, time.count());
   return {static_cast<time_t>(ns / 1000000000), static_cast<long>(ns % 1000000000)};
@@ -115,15 +118,19 @@ void LiveDriver::send(const Message& message) {
 }
 
 void LiveDriver::say_condition() {
-  // Logged only when it changes; STATUS repeats it every second.
-  std::string text = driver_.condition().text;
-  if (text == said_) return;
-  if (text.empty()) {
-    spdlog::info("no problem any more");
+  // Logged only when it changes, and counts within it not each time; STATUS repeats it every
+  // second.
+  DriverCondition condition = driver_.condition();
+  const Clock::time_point now = Clock::now();
+  if (condition.text == said_.text) return;
+  if (condition.level == said_.level && now - said_time_ < kSayAgain) return;
+  if (condition.level != Level::kOk) {
+    spdlog::warn("{}", condition.text);
   } else {
-    spdlog::warn("{}", text);
+    spdlog::info("{}", condition.text.empty() ? "no problem any more" : condition.text);
   }
-  said_ = std::move(text);
+  said_ = std::move(condition);
+  said_time_ = now;
 }
 
 Status LiveDriver::status() const {

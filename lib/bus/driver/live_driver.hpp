@@ -47,7 +47,8 @@ class LiveDriver {
   std::optional<io::ProgressBar> bar_;
   std::optional<std::int64_t> first_utime_;
   std::int64_t num_published_ = 0;
-  std::string said_;  ///< condition as last written to the log
+  DriverCondition said_;  ///< as last written to the log
+  Clock::time_point said_time_;
 };
 
 }  // namespace orchard::bus

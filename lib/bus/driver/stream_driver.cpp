@@ -111,9 +111,10 @@ DriverCondition StreamDriver::condition() const {
     condition.level = Level::kError;
     condition.text = port_.problem().empty() ? "connecting to " + port_.name()
                                              : port_.problem() + "; retrying every 0.5 s";
-  } else if (const std::string text = protocol_->condition(); !text.empty()) {
-    condition.level = Level::kWaiting;
-    condition.text = text;
+  } else {
+    const device::Condition said = protocol_->condition();
+    condition.level = static_cast<Level>(said.severity);
+    condition.text = said.text;
   }
   if (!raw_problem_.empty()) {
     condition.level = std::max(condition.level, Level::kWarning);

@@ -17,23 +17,10 @@ constexpr double kUnits_per_rad = 10'000.0 * 180.0 / geometry::kPi;
 constexpr std::int32_t kAhead = 900'000;
 constexpr std::int32_t kFirstShot = -450'000;
 constexpr std::size_t kMaxTelegram = 256;
+constexpr std::size_t kBinaryHead = 8;  ///< four STX and the length
 
 std::int32_t start_angle(const laser::Scan& scan) {
   return static_cast<std::int32_t>(std::lround(scan.bearing_min_rad * kUnits_per_rad)) + kAhead;
-}
-
-/// A channel of 16 bits: name, scale, offset, angles, values.
-std::string channel(const std::string& name, const laser::Scan& scan,
-                    const std::vector<float>& values, double factor) {
-  const auto step = std::lround(scan.bearing_step_rad * kUnits_per_rad);
-  std::string text =
-      fmt::format(" {} 3F800000 00000000 {:X} {:X} {:X}", name,
-                  static_cast<std::uint32_t>(start_angle(scan)), step, values.size());
-  for (const float value : values) {
-    const double scaled = std::isfinite(value) ? factor * static_cast<double>(value) : 0.0;
-    text += fmt::format(" {:X}", std::lround(std::clamp(scaled, 0.0, 65535.0)));
-  }
-  return text;
 }
 
 constexpr double kTick_us = 1000.0;
@@ -121,7 +108,7 @@ class LikeItsScans : public EmulatedDevice {
     if (turn_us <= 0.0 && first_utime_) turn_us = static_cast<double>(scan.utime - *first_utime_);
     first_utime_ = scan.utime;
     if (turn_us < 1e3 || turn_us > 1e6) return;
-    if (protocol_ == device::LaserProtocol::kColaA) {
+    if (protocol_ == device::LaserProtocol::kCola) {
       ColaDeviceModel model;
       model.name = "emulated";
       model.rate_hz = 1e6 / turn_us;
@@ -157,6 +144,52 @@ void EmulatedScanner::add(Sweep sweep) {
   if (sweeps_.size() > kMaxWaitingSweeps) sweeps_.pop_front();
 }
 
+/// What a scanner sends, field by field, in its dialect.
+class ColaDevice::Telegram {
+ public:
+  Telegram(bool is_binary, const std::string& name) : is_binary_(is_binary), content_(name) {
+    if (is_binary_) content_ += ' ';
+  }
+
+  Telegram& number(std::int64_t value, int num_bytes) {
+    const auto bits = static_cast<std::uint32_t>(value);
+    if (!is_binary_) return text(fmt::format("{:X}", bits));
+    for (int i = num_bytes - 1; i >= 0; --i) content_ += static_cast<char>(bits >> (8 * i) & 0xff);
+    return *this;
+  }
+
+  Telegram& text(const std::string& text) {
+    content_ += (is_binary_ ? "" : " ") + text;
+    return *this;
+  }
+
+  /// A channel of 16 bits: name, scale 1, offset 0, angles, values.
+  Telegram& channel(const std::string& name, const laser::Scan& scan,
+                    const std::vector<float>& values, double factor) {
+    text(name).number(0x3f800000, 4).number(0, 4).number(start_angle(scan), 4);
+    number(std::lround(scan.bearing_step_rad * kUnits_per_rad), 2);
+    number(static_cast<std::int64_t>(values.size()), 2);
+    for (const float value : values) {
+      const double scaled = std::isfinite(value) ? factor * static_cast<double>(value) : 0.0;
+      number(std::lround(std::clamp(scaled, 0.0, 65535.0)), 2);
+    }
+    return *this;
+  }
+
+  std::string on_wire() const {
+    if (!is_binary_) return "\x02" + content_ + "\x03";
+    std::string bytes = "\x02\x02\x02\x02";
+    unsigned sum = 0;
+    for (const char c : content_) sum ^= static_cast<unsigned char>(c);
+    for (int i = 3; i >= 0; --i) bytes += static_cast<char>(content_.size() >> (8 * i) & 0xff);
+    return bytes + content_ + static_cast<char>(sum);
+  }
+
+ private:
+  bool is_binary_;
+  std::string content_;
+};
+
 ColaDevice::ColaDevice(ColaDeviceModel model, EmulatedClock clock)
     : EmulatedScanner(clock),
       model_(std::move(model)),
@@ -168,43 +201,71 @@ void ColaDevice::connected(std::int64_t) {
 }
 
 void ColaDevice::receive(std::string_view bytes, std::int64_t) {
-  for (const char c : bytes) {
-    if (c == '\x02') {
-      half_telegram_.clear();
-    } else if (c == '\x03') {
-      obey(std::exchange(half_telegram_, {}));
-    } else if (half_telegram_.size() < kMaxTelegram) {
-      half_telegram_ += c;
-    }
+  for (const char byte : bytes) model_.is_binary ? receive_binary(byte) : receive_text(byte);
+}
+
+void ColaDevice::receive_text(char byte) {
+  if (byte == '\x02') {
+    half_telegram_.clear();
+  } else if (byte == '\x03') {
+    obey(std::exchange(half_telegram_, {}));
+  } else if (half_telegram_.size() < kMaxTelegram) {
+    half_telegram_ += byte;
   }
 }
 
-void ColaDevice::answer(const std::string& telegram) { to_send_ += "\x02" + telegram + "\x03"; }
+void ColaDevice::receive_binary(char byte) {
+  std::string& half = half_telegram_;
+  half += byte;
+  if (half.size() <= 4 && byte != '\x02') half.clear();
+  if (half.size() < kBinaryHead) return;
+  const auto length = static_cast<std::size_t>(static_cast<unsigned char>(half[7]));
+  if (half.size() <= kBinaryHead + length) return;
+  unsigned sum = 0;
+  for (std::size_t i = kBinaryHead; i < half.size(); ++i) {
+    sum ^= static_cast<unsigned char>(half[i]);
+  }
+  const std::string content = std::exchange(half, {}).substr(kBinaryHead, length);
+  if (sum == 0) obey(content);
+}
+
+void ColaDevice::answer(const Telegram& telegram) { to_send_ += telegram.on_wire(); }
+
+void ColaDevice::refuse() { answer(Telegram(model_.is_binary, "sFA").number(3, 2)); }
 
 void ColaDevice::obey(const std::string& telegram) {
-  if (telegram == "sEN LMDscandata 1" || telegram == "sEN LMDscandata 0") {
-    is_streaming_ = telegram.back() == '1';
-    answer(std::string("sEA LMDscandata ") + telegram.back());
+  const auto begins = [&](const char* text) { return telegram.rfind(text, 0) == 0; };
+  const auto reply = [&](const char* name) { return Telegram(model_.is_binary, name); };
+  const char last = telegram.empty() ? '\0' : telegram.back();
+  if (begins("sEN LMDscandata ")) {
+    is_streaming_ = last == (model_.is_binary ? '\1' : '1');
+    answer(reply("sEA LMDscandata").number(is_streaming_ ? 1 : 0, 1));
   } else if (telegram == "sRN DeviceIdent") {
-    answer(fmt::format("sRA DeviceIdent {:X} {} 6 V2.5.0", model_.name.size(), model_.name));
+    const auto length = static_cast<std::int64_t>(model_.name.size());
+    answer(
+        reply("sRA DeviceIdent").number(length, 2).text(model_.name).number(6, 2).text("V2.5.0"));
   } else if (telegram == "sRN LMPoutputRange" && last_) {
     const double last_rad = last_->bearing_rad(static_cast<double>(last_->ranges_m.size()) - 1.0);
-    const auto stop = static_cast<std::int32_t>(std::lround(last_rad * kUnits_per_rad)) + kAhead;
-    answer(fmt::format("sRA LMPoutputRange 1 {:X} {:X} {:X}",
-                       std::lround(last_->bearing_step_rad * kUnits_per_rad),
-                       static_cast<std::uint32_t>(start_angle(*last_)),
-                       static_cast<std::uint32_t>(stop)));
-  } else if (telegram == "sMN SetAccessMode 03 F4724744") {
-    is_logged_in_ = model_.allows_login;
-    answer(is_logged_in_ ? "sAN SetAccessMode 1" : "sAN SetAccessMode 0");
-  } else if (telegram.rfind("sWN LMDscandatacfg ", 0) == 0 && is_logged_in_) {
-    sends_intensities_ = telegram.rfind("sWN LMDscandatacfg 01 00 1", 0) == 0;
-    answer("sWA LMDscandatacfg");
+    answer(reply("sRA LMPoutputRange")
+               .number(1, 2)
+               .number(std::lround(last_->bearing_step_rad * kUnits_per_rad), 4)
+               .number(start_angle(*last_), 4)
+               .number(std::lround(last_rad * kUnits_per_rad) + kAhead, 4));
+  } else if (begins("sMN SetAccessMode ")) {
+    const bool knows = model_.is_binary ? telegram.substr(18) == "\x03\xf4\x72\x47\x44"
+                                        : telegram.substr(18) == "03 F4724744";
+    is_logged_in_ = model_.allows_login && knows;
+    answer(reply("sAN SetAccessMode").number(is_logged_in_ ? 1 : 0, 1));
+  } else if (begins("sWN LMDscandatacfg ") && is_logged_in_) {
+    const std::string asked = telegram.substr(19);
+    sends_intensities_ = model_.is_binary ? asked.substr(0, 3) == std::string("\1\0\1", 3)
+                                          : asked.rfind("01 00 1", 0) == 0;
+    answer(reply("sWA LMDscandatacfg"));
   } else if (telegram == "sMN Run" && is_logged_in_) {
     is_logged_in_ = false;
-    answer("sAN Run 1");
+    answer(reply("sAN Run").number(1, 1));
   } else {
-    answer("sFA 3");
+    refuse();
   }
 }
 
@@ -222,19 +283,25 @@ void ColaDevice::send(const Sweep& sweep) {
   const laser::Scan& scan = sweep.scan;
   const double first_shot_us =
       std::max(0, start_angle(scan) - kFirstShot) / (360.0 * 10'000.0) * 1e6 / model_.rate_hz;
-  const auto wrapped = [this](double utime) {
-    return static_cast<std::uint32_t>(clock_.ticks(utime, 1.0) & 0xffffffff);
+  const double start_utime = static_cast<double>(scan.utime) - first_shot_us;
+  const double end_utime = static_cast<double>(sweep.complete_utime - kSweepProcessing_us);
+  const auto ticks = [this](double utime) {
+    return static_cast<std::int64_t>(clock_.ticks(utime, 1.0) & 0xffffffff);
   };
   const bool with_intensities = sends_intensities_ && scan.has_intensities();
-  std::string text =
-      fmt::format("sSN LMDscandata 1 1 89A27F 0 0 {:X} {:X} {:X} {:X} 0 0 3F 0 0 {:X} 21C 0 {}",
-                  num_sent_ & 0xffff, num_sent_ & 0xffff,
-                  wrapped(static_cast<double>(scan.utime) - first_shot_us),
-                  wrapped(static_cast<double>(sweep.complete_utime)),
-                  std::lround(100.0 * model_.rate_hz), with_intensities ? 2 : 1);
-  text += channel("DIST1", scan, scan.ranges_m, 1000.0);
-  if (with_intensities) text += channel("RSSI1", scan, scan.intensities, 1.0);
-  answer(text + " 0 0 0 0 0 0");
+  Telegram telegram(model_.is_binary, "sSN LMDscandata");
+  telegram.number(1, 2).number(1, 2).number(0x89a27f, 4);  // version, device
+  telegram.number(0, 1).number(model_.state, 1);           // status
+  telegram.number(num_sent_ & 0xffff, 2).number(num_sent_ & 0xffff, 2);
+  telegram.number(ticks(model_.stamps_end ? end_utime : start_utime), 4);
+  telegram.number(ticks(static_cast<double>(sweep.complete_utime)), 4);
+  telegram.number(0, 1).number(0, 1).number(0x3f, 1).number(0, 1).number(0, 2);  // in, out, layer
+  telegram.number(std::lround(100.0 * model_.rate_hz), 4).number(0x21c, 4).number(0, 2);
+  telegram.number(with_intensities ? 2 : 1, 2).channel("DIST1", scan, scan.ranges_m, 1000.0);
+  if (with_intensities) telegram.channel("RSSI1", scan, scan.intensities, 1.0);
+  for (int i = 0; i < 6; ++i)
+    telegram.number(0, 2);  // 8 bits, position, name, comment, time, event
+  answer(telegram);
 }
 
 ScipModel ust_10lx() { return {}; }

@@ -48,11 +48,15 @@ struct ColaDeviceModel {
   double rate_hz = 15.0;
   bool allows_login = true;
   bool sends_intensities = false;  ///< without being configured to
+  bool is_binary = false;          ///< speaks CoLa-B, and answers nothing else
+  /// "Time since start up" is that of the end of the sweep, as of a real TiM781S and LMS111.
+  bool stamps_end = false;
+  unsigned state = 0;  ///< second field of the device status: 1 error, 2 dirty front screen
 };
 
-/// An emulated SICK scanner with CoLa-A (telegram listing 8014631). Its output is the beams of the
-/// given scans. The first beam counts as the first shot of a sweep if it points 45 degrees behind
-/// the right.
+/// An emulated SICK scanner with CoLa-A or CoLa-B (telegram listing 8014631). Its output is the
+/// beams of the given scans. The first beam counts as the first shot of a sweep if it points 45
+/// degrees behind the right.
 class ColaDevice : public EmulatedScanner {
  public:
   ColaDevice(ColaDeviceModel model, EmulatedClock clock);
@@ -61,9 +65,16 @@ class ColaDevice : public EmulatedScanner {
   void receive(std::string_view bytes, std::int64_t utime) override;
   void measured(const device::Measurement& measurement) override;
 
+  /// Changes the second field of the device status.
+  void set_state(unsigned state) { model_.state = state; }
+
  private:
-  void answer(const std::string& telegram);
+  class Telegram;
+  void receive_text(char byte);
+  void receive_binary(char byte);
+  void answer(const Telegram& telegram);
   void obey(const std::string& telegram);
+  void refuse();
   bool is_streaming() const override { return is_streaming_; }
   void send(const Sweep& sweep) override;
 

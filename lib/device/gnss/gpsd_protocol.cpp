@@ -292,7 +292,7 @@ void GpsdProtocol::connected(std::int64_t host_utime) {
   noise_.reset();
   has_receivers_.reset();
   error_.clear();
-  why_no_fix_.clear();
+  no_fix_ = {};
   num_unanswered_ = 0;
   fix_utime_ = 0;
   deadline_ = host_utime + kSilence_us;
@@ -313,11 +313,12 @@ void GpsdProtocol::expire(std::int64_t host_utime) {
   deadline_ = host_utime + kSilence_us;
   if (host_utime - fix_utime_ < kSilence_us) return;
   fix_utime_ = 0;
-  why_no_fix_ = "gpsd sends no fixes; check that the receiver is still plugged in";
+  no_fix_ = {Severity::kError, "gpsd sends no fixes; check that the receiver is still plugged in"};
 }
 
 void GpsdProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
+  units_.host_clock_stepped();
   last_utime_ += step_us;
   if (fix_utime_ != 0) fix_utime_ += step_us;
   if (deadline_) *deadline_ += step_us;
@@ -327,42 +328,50 @@ std::string GpsdProtocol::failure() const {
   return num_unanswered_ > kMaxUnanswered ? "gpsd does not answer any more" : "";
 }
 
-std::string GpsdProtocol::condition() const {
-  if (!error_.empty()) return "gpsd reports: " + error_;
+Condition GpsdProtocol::condition() const {
+  Condition condition;
+  if (!error_.empty()) condition.add(Severity::kError, "gpsd reports: " + error_);
   if (fix_utime_ == 0) {
-    if (has_receivers_ == false) {
-      return "gpsd has no receiver; check that it is plugged in and that gpsd was started with its "
-             "device";
-    }
-    if (!why_no_fix_.empty()) return why_no_fix_;
-    return "waits for the first report" +
-           (receiver_.empty() ? "" : " of " + shown_text(receiver_, kShownBytes));
+    condition.add(why_no_fix().severity, why_no_fix().text);
+  } else if (std::abs(fix_lead_s_) > kImplausibleLead_s) {
+    condition.add(Severity::kWarning,
+                  "fixes arrive " + fixed_text(fix_lead_s_, 1) +
+                      " s after their own time stamp: the clock of this machine is not "
+                      "synchronised to satellite time; use drivers.gnss.stamp: receipt");
   }
-  if (std::abs(fix_lead_s_) > kImplausibleLead_s) {
-    return "fixes arrive " + fixed_text(fix_lead_s_, 1) +
-           " s after their own time stamp: the clock of this machine is not synchronised to "
-           "satellite time; use drivers.gnss.stamp: receipt";
+  if (fix_utime_ != 0 && num_other_receivers_ > 0) {
+    condition.add(Severity::kWarning, "reads " + shown_text(receiver_, kShownBytes) +
+                                          " only, but gpsd has several receivers; choose one with "
+                                          "drivers.gnss.receiver");
   }
-  if (num_other_receivers_ > 0) {
-    return "reads " + shown_text(receiver_, kShownBytes) +
-           " only, but gpsd has several receivers; choose one with drivers.gnss.receiver";
+  condition.add(Severity::kWarning, units_.warning("reports"));
+  return condition;
+}
+
+Condition GpsdProtocol::why_no_fix() const {
+  if (has_receivers_ == false) {
+    return {Severity::kError,
+            "gpsd has no receiver; check that it is plugged in and that gpsd was started with its "
+            "device"};
   }
-  return {};
+  if (!no_fix_.text.empty()) return no_fix_;
+  return {Severity::kWaiting,
+          "waits for the first report" +
+              (receiver_.empty() ? "" : " of " + shown_text(receiver_, kShownBytes))};
 }
 
 ProtocolCounts GpsdProtocol::counts() const {
-  ProtocolCounts counts = counts_;
+  ProtocolCounts counts = units_.counts();
   counts.num_bad += lines_.num_too_long();
   return counts;
 }
 
 void GpsdProtocol::take_line(std::string_view line, std::int64_t host_utime) {
   const GpsdReport report = parse_gpsd_report(line);
-  if (std::holds_alternative<GpsdBad>(report)) {
-    ++counts_.num_bad;
-    return;
+  if (const auto* bad = std::get_if<GpsdBad>(&report)) {
+    return units_.add_refused(host_utime, shown_text(bad->why, kShownBytes));
   }
-  ++counts_.num_good;
+  units_.add_good(host_utime);
   num_unanswered_ = 0;
   if (const auto* devices = std::get_if<GpsdDevices>(&report)) {
     has_receivers_ = !devices->paths.empty();
@@ -390,13 +399,16 @@ void GpsdProtocol::take_fix(const GpsdFix& fix, std::int64_t host_utime) {
   std::optional<pose::Gnss> gnss = to_measurement(fix, noise_of(fix));
   last_status_ = fix.status;
   if (!gnss || !fix.time_us) {
+    // Before the first fix it searches; later it has lost what the drive may need.
+    no_fix_ = last_fix_time_us_ ? Condition{Severity::kWarning, "the receiver has lost its fix"}
+                                : Condition{Severity::kWaiting, "the receiver has no fix yet"};
+    if (gnss) no_fix_.text += ": no time";
     fix_utime_ = 0;
-    why_no_fix_ = "the receiver has no fix yet" + std::string(gnss ? ": no time" : "");
     return;
   }
   // gpsd reports after each NMEA sentence: a later report has the height.
   if (fix.mode == 3 && !fix.altitude_m) {
-    if (fix_utime_ == 0) why_no_fix_ = "waits for a fix with an altitude";
+    if (fix_utime_ == 0) no_fix_ = {Severity::kWaiting, "waits for a fix with an altitude"};
     return;
   }
   fix_utime_ = host_utime;

@@ -98,11 +98,12 @@ class GpsdProtocol : public Protocol {
   void expire(std::int64_t host_utime) override;
   void host_clock_stepped(std::int64_t step_us) override;
   std::string failure() const override;
-  std::string condition() const override;
+  Condition condition() const override;
   ProtocolCounts counts() const override;
 
  private:
   void take_line(std::string_view line, std::int64_t host_utime);
+  Condition why_no_fix() const;
   void take_fix(const GpsdFix& fix, std::int64_t host_utime);
   bool is_ours(const std::string& device);
   std::int64_t stamp(std::int64_t fix_time_us, std::int64_t host_utime);
@@ -123,9 +124,9 @@ class GpsdProtocol : public Protocol {
   std::optional<bool> has_receivers_;
   std::int64_t num_other_receivers_ = 0;
   double fix_lead_s_ = 0.0;  ///< stamp: fix_time: arrival minus time of the last fix
-  std::string why_no_fix_;
+  Condition no_fix_;         ///< why there is none
   std::string error_;
-  ProtocolCounts counts_;
+  UnitCounter units_;
 };
 
 }  // namespace orchard::device

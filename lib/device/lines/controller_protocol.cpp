@@ -234,6 +234,7 @@ void ControllerProtocol::connected(std::int64_t host_utime) {
   needs_checksum_ = false;
   is_given_up_ = false;
   is_silent_ = true;
+  is_heard_ = false;
   heard_utime_ = host_utime;
   deadline_ = host_utime + kSilence_us;
 }
@@ -250,6 +251,7 @@ void ControllerProtocol::expire(std::int64_t host_utime) {
 
 void ControllerProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
+  units_.host_clock_stepped();
   if (!ticks_by_device_clock_) ticks_.shift_time(step_us);
   heard_utime_ += step_us;
   odometry_utime_ += step_us;
@@ -261,36 +263,48 @@ std::string ControllerProtocol::failure() const {
   return is_given_up_ ? "no valid line for 10 s" : "";
 }
 
-std::string ControllerProtocol::condition() const {
-  if (!is_silent_) return {};
-  if (!last_refused_.empty()) return "waits for a valid line; refused \"" + last_refused_ + ")";
-  return "waits for lines; check that the controller is running and the baud rate is right";
+Condition ControllerProtocol::condition() const {
+  if (!is_silent_) {
+    const std::string refused = units_.warning("lines");
+    return {refused.empty() ? Severity::kNone : Severity::kWarning, refused};
+  }
+  const bool is_refused = !last_refused_.empty();
+  const Severity severity = is_heard_    ? Severity::kError
+                            : is_refused ? Severity::kWarning
+                                         : Severity::kWaiting;
+  if (is_refused) return {severity, "waits for a valid line; refused \"" + last_refused_ + ")"};
+  return {severity,
+          "waits for lines; check that the controller is running and the baud rate is right"};
 }
 
 ProtocolCounts ControllerProtocol::counts() const {
-  ProtocolCounts counts = counts_;
+  ProtocolCounts counts = units_.counts();
   counts.num_bad += lines_.num_too_long();
   return counts;
 }
 
 void ControllerProtocol::take_line(std::string_view text, std::int64_t host_utime) {
   const auto parsed = parse_sensor_line(text);
-  if (const auto* bad = std::get_if<BadLine>(&parsed)) return refuse(text, bad->why);
+  if (const auto* bad = std::get_if<BadLine>(&parsed)) return refuse(text, bad->why, host_utime);
   const auto* line = std::get_if<SensorLine>(&parsed);
   if (line == nullptr) return;
-  if (needs_checksum_ && !line->has_checksum) return refuse(text, "its checksum is missing");
+  if (needs_checksum_ && !line->has_checksum)
+    return refuse(text, "its checksum is missing", host_utime);
   needs_checksum_ = line->has_checksum;
-  if (const std::string why = use(*line, host_utime); !why.empty()) return refuse(text, why);
-  ++counts_.num_good;
+  if (const std::string why = use(*line, host_utime); !why.empty())
+    return refuse(text, why, host_utime);
+  units_.add_good(host_utime);
   last_refused_.clear();
   is_silent_ = false;
+  is_heard_ = true;
   heard_utime_ = host_utime;
   deadline_ = host_utime + kSilence_us;
 }
 
-void ControllerProtocol::refuse(std::string_view text, const std::string& why) {
-  ++counts_.num_bad;
+void ControllerProtocol::refuse(std::string_view text, const std::string& why,
+                                std::int64_t host_utime) {
   last_refused_ = shown_text(text, kShownBytes) + "\" (" + shown_text(why, kShownBytes);
+  units_.add_refused(host_utime, "\"" + last_refused_ + ")");
 }
 
 std::string ControllerProtocol::use(const SensorLine& line, std::int64_t host_utime) {

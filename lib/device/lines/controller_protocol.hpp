@@ -109,12 +109,12 @@ class ControllerProtocol : public Protocol {
   void expire(std::int64_t host_utime) override;
   void host_clock_stepped(std::int64_t step_us) override;
   std::string failure() const override;
-  std::string condition() const override;
+  Condition condition() const override;
   ProtocolCounts counts() const override;
 
  private:
   void take_line(std::string_view text, std::int64_t host_utime);
-  void refuse(std::string_view text, const std::string& why);
+  void refuse(std::string_view text, const std::string& why, std::int64_t host_utime);
   std::string use(const SensorLine& line, std::int64_t host_utime);
   void add_velocity(const VelocityLine& line, std::int64_t utime);
   std::string add_ticks(const SensorLine& line, const TickLine& ticks, double time_us,
@@ -132,12 +132,13 @@ class ControllerProtocol : public Protocol {
   std::int64_t heard_utime_ = 0;
   std::optional<std::int64_t> deadline_;
   bool is_silent_ = true;
+  bool is_heard_ = false;  ///< a valid line has come since the connection was made
   bool is_given_up_ = false;
   std::int64_t num_restarts_ = 0;  ///< of the controller, as its clock tells
   std::int64_t odometry_utime_ = 0;
   std::int64_t imu_utime_ = 0;
   std::string last_refused_;  ///< the last line that was refused and why, since one was good
-  ProtocolCounts counts_;
+  UnitCounter units_;
 };
 
 }  // namespace orchard::device

@@ -235,11 +235,16 @@ void ScipProtocol::ask(Step step, std::int64_t host_utime) {
 
 void ScipProtocol::ask_again(std::int64_t host_utime) { send(command_ + "\n", host_utime); }
 
+ScipEncoding ScipProtocol::best_encoding() const {
+  return parameters_->fits_two_characters() ? ScipEncoding::kTwo
+                                            : ScipEncoding::kThreeWithIntensity;
+}
+
 void ScipProtocol::begin_stream(ScipEncoding encoding, std::int64_t host_utime) {
   encoding_ = encoding;
   step_ = Step::kStream;
   num_asked_ = 0;
-  is_granted_ = false;
+  is_granted_ = is_refused_ = false;
   const char letter = encoding == ScipEncoding::kTwo     ? 'S'
                       : encoding == ScipEncoding::kThree ? 'D'
                                                          : 'E';
@@ -256,17 +261,30 @@ void ScipProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
   buffer_ += bytes;
   std::size_t begin = 0;
   for (std::size_t end; (end = buffer_.find("\n\n", begin)) != std::string::npos;) {
-    const std::string text = buffer_.substr(begin, end - begin);
+    std::string_view text = std::string_view(buffer_).substr(begin, end - begin);
     begin = end + 2;
+    if (const std::size_t echo = last_echo(text); echo > 0) {
+      units_.add_refused(host_utime, "half a sweep");
+      text.remove_prefix(echo);
+    }
     const auto reply = parse_scip_reply(text);
     if (reply && is_answer(reply->echo)) {
       take(*reply, host_utime);
     } else if (step_ == Step::kStream) {
-      ++counts_.num_bad;  // until then, replies may belong to an earlier connection
+      // Until then, replies may belong to an earlier connection.
+      units_.add_refused(host_utime, "a reply that was not asked for");
     }
   }
   buffer_.erase(0, begin);
-  bound_buffer();
+  bound_buffer(host_utime);
+}
+
+/// Where the last reply to the stream's command begins: a sweep whose end is missing stands before
+/// it. 0 where there is none.
+std::size_t ScipProtocol::last_echo(std::string_view text) const {
+  if (step_ != Step::kStream) return 0;
+  const std::size_t echo = text.rfind(std::string_view(command_).substr(0, command_.size() - 2));
+  return echo == std::string_view::npos ? 0 : echo;
 }
 
 bool ScipProtocol::is_answer(std::string_view echo) const {
@@ -297,11 +315,10 @@ void ScipProtocol::take(const ScipReply& reply, std::int64_t host_utime) {
       return ask(Step::kLaser, host_utime);
     case Step::kLaser:
       // Status 02: already on. 01: the laser fails to turn on and no sweep will follow.
-      if (reply.status == "01")
-        trouble_ = "the laser of the scanner does not switch on (status 01)";
-      return begin_stream(parameters_->fits_two_characters() ? ScipEncoding::kTwo
-                                                             : ScipEncoding::kThreeWithIntensity,
-                          host_utime);
+      if (reply.status == "01") {
+        trouble_ = {Severity::kError, "the laser of the scanner does not switch on (status 01)"};
+      }
+      return begin_stream(best_encoding(), host_utime);
     case Step::kStream:
       return take_stream(reply, host_utime);
   }
@@ -314,7 +331,7 @@ void ScipProtocol::take_parameters(const ScipReply& reply, std::int64_t host_uti
     clock_.set_min_delay(last_beam_us);
     return ask(Step::kState, host_utime);
   }
-  ++counts_.num_bad;
+  units_.add_refused(host_utime, "invalid parameters");
   if (num_asked_ < kMaxAsked) return ask_again(host_utime);
   fail("the parameters of the scanner (reply to PP) are invalid");
 }
@@ -325,7 +342,7 @@ void ScipProtocol::take_clock_reading(const ScipReply& reply, std::int64_t host_
   if (ticks) {
     clock_.read_between(*ticks, asked_utime_, host_utime);
   } else {
-    ++counts_.num_bad;
+    units_.add_refused(host_utime, "an invalid reading of the clock");
   }
   if (++num_readings_ < kNumReadings) return ask(Step::kClockRead, host_utime);
   ask(Step::kClockOut, host_utime);
@@ -334,42 +351,70 @@ void ScipProtocol::take_clock_reading(const ScipReply& reply, std::int64_t host_
 void ScipProtocol::take_stream(const ScipReply& reply, std::int64_t host_utime) {
   if (reply.status == "99") return take_sweep(reply, host_utime);
   if (reply.status == "00") {
-    is_granted_ = true;
+    grant();
+    if (trouble_.severity == Severity::kWaiting) trouble_ = {};
     deadline_utime_ = host_utime + kFirstSweep_us;
     return;
   }
   refuse_stream(reply.status, host_utime);
 }
 
+void ScipProtocol::grant() {
+  is_granted_ = true;
+  is_refused_ = false;
+  num_asked_ = 1;
+}
+
 void ScipProtocol::refuse_stream(std::string_view status, std::int64_t host_utime) {
-  if (!is_granted_ && encoding_ == ScipEncoding::kThreeWithIntensity) {
+  const bool is_unknown = status == "0D" || status == "0E";  // undefined command
+  if (!is_granted_ && is_unknown && encoding_ == ScipEncoding::kThreeWithIntensity) {
     return begin_stream(ScipEncoding::kThree, host_utime);  // a model without intensities
   }
-  if (status >= "21" && status <= "98") {
-    trouble_ = "the scanner reports status " + std::string(status) +
-               (status == "98"  ? ": it resumes after a self-test"
-                : status < "50" ? ": it stopped because of an error"
-                                : ": hardware fault (laser, motor)");
-    return;
+  is_refused_ = true;
+  const std::string name = "status " + std::string(status);
+  if (status == "98") {
+    trouble_ = {Severity::kWarning,
+                "the scanner reports " + name + ": it resumes after a self-test"};
+  } else if (status >= "21" && status <= "97") {
+    trouble_ = {Severity::kError, "the scanner reports " + name +
+                                      (status < "50" ? ": it stopped because of an error"
+                                                     : ": hardware fault (laser, motor)")};
+  } else if (!is_granted_) {
+    trouble_ = {Severity::kWaiting, "the scanner is not ready for " + command_ + ": " + name};
+  } else {
+    units_.add_refused(host_utime, "the scanner reports " + name);
   }
-  ++counts_.num_bad;
-  if (!is_granted_) fail("the scanner refuses " + command_ + ": status " + std::string(status));
 }
 
 void ScipProtocol::take_sweep(const ScipReply& reply, std::int64_t host_utime) {
   auto sweep = parse_scip_sweep(reply.body, *parameters_, encoding_);
   if (!sweep) {
-    ++counts_.num_bad;
-    return;
+    return units_.add_refused(host_utime, "a wrong checksum or number of beams in a sweep");
   }
-  is_granted_ = is_streaming_ = true;
-  trouble_.clear();
+  grant();
+  is_streaming_ = true;
+  trouble_ = {};
   deadline_utime_ = host_utime + kAnswer_us +
                     static_cast<std::int64_t>(kMaxSilence_turns * parameters_->turn_us());
   const double step_0_us = clock_.arrived(sweep->ticks, host_utime);
   const double first_beam_us = parameters_->first_step * parameters_->beam_period_us();
   sweep->scan.utime = clock_.host_utime(step_0_us + first_beam_us);
-  take_scan(std::move(sweep->scan));
+  take_scan(std::move(sweep->scan), host_utime);
+}
+
+/// A scanner that is getting ready refuses for some seconds what it grants later.
+void ScipProtocol::ask_for_stream_again(std::int64_t host_utime) {
+  constexpr int kMaxRefused = kFirstSweep_us / kAnswer_us;
+  if (num_asked_ < (is_refused_ ? kMaxRefused : kMaxAsked)) return ask_again(host_utime);
+  if (encoding_ == ScipEncoding::kThreeWithIntensity) {
+    return begin_stream(ScipEncoding::kThree, host_utime);
+  }
+  fail(no_answer());
+}
+
+std::string ScipProtocol::no_answer() const {
+  if (!trouble_.text.empty()) return trouble_.text;
+  return "no answer to " + command_ + "; check that it is a scanner with SCIP 2.0";
 }
 
 void ScipProtocol::expire(std::int64_t host_utime) {
@@ -379,22 +424,15 @@ void ScipProtocol::expire(std::int64_t host_utime) {
     case Step::kClockIn:
       return ask(Step::kLaser, host_utime);  // can do without
     case Step::kLaser:
-      return begin_stream(ScipEncoding::kThree, host_utime);
+      return begin_stream(best_encoding(), host_utime);
     case Step::kStream:
-      if (!is_granted_ && encoding_ == ScipEncoding::kThreeWithIntensity) {
-        return begin_stream(ScipEncoding::kThree, host_utime);
-      }
-      if (!is_granted_) break;
+      if (!is_granted_) return ask_for_stream_again(host_utime);
       if (may_restart()) ask(Step::kStop, host_utime);
       return;
     default:
       break;
   }
-  if (num_asked_ >= kMaxAsked) {
-    return fail(trouble_.empty()
-                    ? "no answer to " + command_ + "; check that it is a scanner with SCIP 2.0"
-                    : trouble_);
-  }
+  if (num_asked_ >= kMaxAsked) return fail(no_answer());
   // A URG-04LX starts in SCIP 1.1; other models answer the switch with an error, which is ignored.
   // The empty line ends a command that a broken connection may have left incomplete.
   if (step_ == Step::kStop) to_send_ += "\nSCIP2.0\n";

@@ -108,6 +108,7 @@ class ScipProtocol : public ScannerSession {
 
   void ask(Step step, std::int64_t host_utime);
   void ask_again(std::int64_t host_utime);
+  ScipEncoding best_encoding() const;
   void begin_stream(ScipEncoding encoding, std::int64_t host_utime);
   void take(const ScipReply& reply, std::int64_t host_utime);
   void take_parameters(const ScipReply& reply, std::int64_t host_utime);
@@ -115,6 +116,10 @@ class ScipProtocol : public ScannerSession {
   void take_stream(const ScipReply& reply, std::int64_t host_utime);
   void take_sweep(const ScipReply& reply, std::int64_t host_utime);
   void refuse_stream(std::string_view status, std::int64_t host_utime);
+  void grant();
+  void ask_for_stream_again(std::int64_t host_utime);
+  std::string no_answer() const;
+  std::size_t last_echo(std::string_view text) const;
   bool is_answer(std::string_view echo) const;
 
   Step step_ = Step::kStop;
@@ -122,6 +127,7 @@ class ScipProtocol : public ScannerSession {
   std::optional<ScipParameters> parameters_;
   ScipEncoding encoding_ = ScipEncoding::kThree;
   bool is_granted_ = false;  ///< the scanner has accepted the request for sweeps
+  bool is_refused_ = false;  ///< it has refused it, and may not do so later
 };
 
 }  // namespace orchard::device

@@ -17,9 +17,10 @@ std::unique_ptr<device::EmulatedDevice> hokuyo(std::int64_t on_for_us = 60'000'0
   return std::make_unique<device::ScipDevice>(device::ust_10lx(), clock);
 }
 
-std::unique_ptr<device::EmulatedDevice> sick() {
+std::unique_ptr<device::EmulatedDevice> sick(bool is_binary) {
   device::ColaDeviceModel model;
   model.rate_hz = 40.0;
+  model.is_binary = is_binary;
   device::EmulatedClock clock;
   clock.start_utime = bus::wall_utime() - 60'000'000;
   return std::make_unique<device::ColaDevice>(model, clock);
@@ -68,12 +69,15 @@ TEST(LaserDriver, HokuyoOnAPseudoTerminalIsUnpluggedAndPluggedInWithItsPowerCut)
 }
 
 TEST(LaserDriver, SickOverTcpIsUnpluggedAndPluggedIn) {
-  DrivenLaser laser(std::make_unique<device::ColaProtocol>(), sick(), "tcp:127.0.0.1:0",
+  DrivenLaser laser(std::make_unique<device::ColaProtocol>(), sick(false), "tcp:127.0.0.1:0",
                     field_scanner());
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const std::size_t before = laser.scans().size();
     ASSERT_TRUE(laser.run_until([&] { return laser.scans().size() >= before + 10; }));
+    EXPECT_EQ(laser.driver().condition().level, bus::Level::kOk);
+    EXPECT_EQ(laser.driver().condition().text.substr(0, 6), i == 0 ? "CoLa-A" : "CoLa-B");
     laser.server().unplug();
+    laser.server().replace(sick(true));  // somebody has changed it with the maker's program
     ASSERT_TRUE(
         laser.run_until([&] { return laser.driver().condition().level == bus::Level::kError; }));
     laser.server().plug_in();

@@ -44,7 +44,7 @@ class ToyProtocol : public device::Protocol {
   }
   void host_clock_stepped(std::int64_t) override {}
   std::string failure() const override { return failure_; }
-  std::string condition() const override { return {}; }
+  device::Condition condition() const override { return {}; }
   device::ProtocolCounts counts() const override { return {}; }
 
  private:

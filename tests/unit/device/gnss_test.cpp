@@ -128,9 +128,9 @@ TEST(GpsdProtocol, StampsByTheFixItselfWhereTheHostKeepsItsTime) {
   GpsdProtocol protocol = connected(config);
   protocol.receive(tpv(0), kFixTime_us + 120'000);
   ASSERT_EQ(taken(protocol).at(0).utime, kFixTime_us);
-  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(protocol.condition().text, "");
   protocol.receive(tpv(1), kFixTime_us + 3'700'000);
-  EXPECT_NE(protocol.condition().find("3.5 s after their own time"), std::string::npos);
+  EXPECT_NE(protocol.condition().text.find("3.5 s after their own time"), std::string::npos);
 }
 
 TEST(GpsdProtocol, ARepeatedFixIsOneMeasurement) {
@@ -146,7 +146,7 @@ TEST(GpsdProtocol, AFixWaitsForItsHeight) {
   without.replace(without.find(",\"altHAE\":51.5"), 14, "");
   protocol.receive(without, kHost_us + 5);
   EXPECT_TRUE(taken(protocol).empty());
-  EXPECT_EQ(protocol.condition(), "waits for a fix with an altitude");
+  EXPECT_EQ(protocol.condition().text, "waits for a fix with an altitude");
   protocol.receive(tpv(0), kHost_us + 9);
   const auto fixes = taken(protocol);
   ASSERT_EQ(fixes.size(), 1u);
@@ -174,14 +174,14 @@ TEST(GpsdProtocol, DeviationsOfAFloatSolutionAreNotThoseOfAFixedOne) {
 
 TEST(GpsdProtocol, SaysWhatIsMissingAndRecovers) {
   GpsdProtocol protocol = connected();
-  EXPECT_EQ(protocol.condition(), "waits for the first report");
+  EXPECT_EQ(protocol.condition().text, "waits for the first report");
   protocol.receive("{\"class\":\"DEVICES\",\"devices\":[]}\r\n", kHost_us + 5);
-  EXPECT_NE(protocol.condition().find("no receiver"), std::string::npos);
+  EXPECT_NE(protocol.condition().text.find("no receiver"), std::string::npos);
   protocol.receive("{\"class\":\"TPV\",\"device\":\"/dev/ttyACM0\",\"mode\":1}\r\n", kHost_us + 9);
-  EXPECT_EQ(protocol.condition(), "the receiver has no fix yet");
+  EXPECT_EQ(protocol.condition().text, "the receiver has no fix yet");
   EXPECT_TRUE(taken(protocol).empty());
   protocol.receive(tpv(0), kHost_us + 20);
-  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(protocol.condition().text, "");
   EXPECT_EQ(taken(protocol).size(), 1u);
   protocol.take_to_send();
   // Unplugged: gpsd is silent, and is asked whether it is there.
@@ -190,7 +190,7 @@ TEST(GpsdProtocol, SaysWhatIsMissingAndRecovers) {
     protocol.expire(*protocol.deadline());
     EXPECT_EQ(protocol.take_to_send(), "?DEVICES;\n");
   }
-  EXPECT_NE(protocol.condition().find("still plugged in"), std::string::npos);
+  EXPECT_NE(protocol.condition().text.find("still plugged in"), std::string::npos);
   EXPECT_EQ(protocol.failure(), "gpsd does not answer any more");
   protocol.connected(kHost_us + 20'000'000);
   EXPECT_EQ(protocol.failure(), "");
@@ -204,7 +204,7 @@ TEST(GpsdProtocol, ReadsOneOfTwoReceiversAndSaysSo) {
   other.replace(other.find("ACM0"), 4, "USB7");
   protocol.receive(tpv(0) + other, kHost_us + 20);
   EXPECT_EQ(taken(protocol).size(), 1u);
-  EXPECT_NE(protocol.condition().find("reads /dev/ttyACM0 only"), std::string::npos);
+  EXPECT_NE(protocol.condition().text.find("reads /dev/ttyACM0 only"), std::string::npos);
 }
 
 TEST(GpsdProtocol, CountsWhatIsNoReport) {

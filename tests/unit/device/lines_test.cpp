@@ -43,7 +43,7 @@ std::string with_checksum(const std::string& line) {
 
 TEST(ControllerProtocol, VelocitiesAreStampedWhenTheyCome) {
   ControllerProtocol protocol = connected();
-  EXPECT_EQ(protocol.condition(),
+  EXPECT_EQ(protocol.condition().text,
             "waits for lines; check that the controller is running and the baud rate is right");
   protocol.receive("V 0.5 0.1 0.02", kStart_us + 10);
   protocol.receive(" 0.03\r\n", kStart_us + 20);
@@ -53,7 +53,7 @@ TEST(ControllerProtocol, VelocitiesAreStampedWhenTheyCome) {
   EXPECT_DOUBLE_EQ(odometry[0].speed_mps, 0.5);
   EXPECT_DOUBLE_EQ(odometry[0].covariance[0], 0.0004);
   EXPECT_DOUBLE_EQ(odometry[0].covariance[2], 0.0009);
-  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(protocol.condition().text, "");
   EXPECT_EQ(protocol.counts().num_good, 1);
   EXPECT_EQ(protocol.counts().num_bad, 0);
 }
@@ -157,10 +157,10 @@ TEST(ControllerProtocol, SaysWhenItIsSilentAndGivesUp) {
   protocol.receive("V 1 0\n", kStart_us + 100);
   ASSERT_EQ(protocol.deadline(), kStart_us + 1'000'100);
   protocol.expire(kStart_us + 1'000'100);
-  EXPECT_NE(protocol.condition(), "");
+  EXPECT_NE(protocol.condition().text, "");
   EXPECT_EQ(protocol.failure(), "");
   protocol.receive("V 1 \x1b[2J\n", kStart_us + 1'500'000);
-  EXPECT_EQ(protocol.condition(),
+  EXPECT_EQ(protocol.condition().text,
             "waits for a valid line; refused \"V 1 ?[2J\" (not a number: ?[2J)");
   while (protocol.failure().empty()) {
     ASSERT_LT(*protocol.deadline(), kStart_us + 12'000'000);
@@ -169,7 +169,7 @@ TEST(ControllerProtocol, SaysWhenItIsSilentAndGivesUp) {
   protocol.connected(kStart_us + 20'000'000);
   EXPECT_EQ(protocol.failure(), "");
   protocol.receive("\nV 1 0\n", kStart_us + 20'100'000);
-  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(protocol.condition().text, "");
 }
 
 TEST(ControllerProtocol, FollowsTheHostsClockWhenItIsSet) {

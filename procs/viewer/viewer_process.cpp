@@ -70,7 +70,7 @@ class ViewerNode : public bus::Node {
   SharedLiveState& box_;
   bool has_camera_;
   std::string folder_;
-  cli::StatusBoard board_;
+  cli::StatusBoard board_{bus::machine_name()};
 };
 
 /// Low priority: the processes that measure come first.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "bus/node/process_report.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::bus {
@@ -26,9 +27,6 @@ constexpr std::size_t kProcessesMax = 64;
 constexpr std::size_t kOffsets = 4;
 constexpr std::int64_t kSkew_us = 100'000;
 constexpr std::int64_t kClockStep_us = 500'000;
-
-/// Host name without the process id.
-std::string machine(const std::string& host) { return host.substr(0, host.rfind(':')); }
 
 void append(std::string& text, const std::string& more) {
   if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
@@ -117,11 +115,12 @@ std::string PeerProcesses::text(Clock::time_point now) const {
   }
   for (const Process& process : processes_) {
     if (now - process.heard > kGoneAfter || process.offsets_us.size() < kOffsets) continue;
+    if (machine_of(process.host) == machine_of(host_)) continue;  // it has the same clock
     // Transport only delays a message, so the fastest one gives the best offset.
     const std::int64_t offset_us =
         *std::max_element(process.offsets_us.begin(), process.offsets_us.end());
     if (std::llabs(offset_us) < kSkew_us) continue;
-    append(text, "the clock of " + machine(process.host) + " is " +
+    append(text, "the clock of " + machine_of(process.host) + " is " +
                      fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
                      (offset_us > 0 ? "ahead of" : "behind") + " this machine's (seen from " +
                      process.name + ")");

@@ -21,13 +21,14 @@ constexpr std::chrono::milliseconds kStatusApart{100};
 constexpr std::chrono::seconds kConfigApart{1};
 constexpr std::chrono::seconds kConfigPeriod{10};
 
-std::string host_and_process() {
+}  // namespace
+
+std::string machine_name() {
   char name[256] = {};
-  const bool known = gethostname(name, sizeof(name) - 1) == 0;
-  return (known ? std::string(name) : "unknown") + ":" + std::to_string(getpid());
+  return gethostname(name, sizeof(name) - 1) == 0 ? name : "unknown";
 }
 
-}  // namespace
+std::string machine_of(const std::string& host) { return host.substr(0, host.rfind(':')); }
 
 ServiceNotifier::ServiceNotifier() {
   const char* path = std::getenv("NOTIFY_SOCKET");
@@ -76,7 +77,7 @@ std::int64_t wall_utime() {
 }
 
 ProcessReport::ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config)
-    : bus_(bus), name_(std::move(name)), host_(host_and_process()) {
+    : bus_(bus), name_(std::move(name)), host_(machine_name() + ":" + std::to_string(getpid())) {
   notice_.hash = config.hash;
   notice_.name = name_;
   notice_.version = std::string(version());

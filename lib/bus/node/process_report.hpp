@@ -34,6 +34,12 @@ class ServiceNotifier {
 /// Wall clock time [us]; for messages about processes, never for measurements.
 std::int64_t wall_utime();
 
+/// The name of this machine.
+std::string machine_name();
+
+/// The machine in the host of a STATUS: "robot" of "robot:4711".
+std::string machine_of(const std::string& host);
+
 /// Publishes the state of a process: STATUS once a second, CONFIG at the start and every ten
 /// seconds (none for a process without a rig), and the watchdog of a supervisor.
 class ProcessReport {

@@ -132,20 +132,21 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
 /// Whether other channels keep the clock that a channel has left, and none has left it likewise.
 /// They are given kNumAlone messages to be heard.
 bool SequenceGate::is_contradicted(const Last& last) const {
-  const std::int64_t near_us = std::abs(last.held_first.utime - last.stamp.utime) / 2;
+  const std::int64_t near_us = std::abs(last.held.front().utime - last.stamp.utime) / 2;
   if (!last.seen || near_us < timing::DriveClock::kSetBack_us / 2) return false;
-  const std::int64_t here = last.held.utime;
-  const std::int64_t by_old_clock = last.stamp.utime + here - last.held_first.utime;
+  const std::int64_t here = last.held.back().utime;
+  const std::int64_t by_old_clock = last.stamp.utime + here - last.held.front().utime;
   bool is_kept = false;
   for (const Last& other : last_) {
     if (&other == &last || !other.seen) continue;
     const auto is_at = [&](const Stamp& stamp, std::int64_t utime) {
       return std::abs(stamp.utime - utime) <= near_us;
     };
-    if (is_at(other.stamp, here) || (other.num_held > 0 && is_at(other.held, here))) return false;
+    if (is_at(other.stamp, here) || (!other.held.empty() && is_at(other.held.back(), here)))
+      return false;
     const bool is_heard = other.order > last.held_order;
     const bool may_be_heard =
-        last.num_held < kNumAlone && num_accepted_ - other.order <= kTimeGoodFor;
+        last.num_held() < kNumAlone && num_accepted_ - other.order <= kTimeGoodFor;
     is_kept = is_kept || ((is_heard || may_be_heard) && is_at(other.stamp, by_old_clock));
   }
   return is_kept;
@@ -201,18 +202,18 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
   if (is_other_source(last, stamp)) {
     // The apparent restart is a second source; the first one continues.
     last.stamp = *std::exchange(last.before, std::nullopt);
+    last.first_seq = last.before_first_seq;
     last.contested = true;
     ++counts.num_second_source_signs;
   }
   if (goes_on(channel, stamp)) {
-    const int num_right = last.num_held - last.num_held_old;
-    const bool lies_between = follows(last.stamp, last.held_first);
-    if (num_right > 0 && follows(last.held, stamp) &&
-        (lies_between || !follows(last.stamp, stamp))) {
+    const int num_right = last.num_held() - last.num_held_old;
+    if (num_right > 0 && follows(last.held.back(), stamp) &&
+        (follows(last.stamp, last.held.front()) || !follows(last.stamp, stamp))) {
       // The source or the other channels have reached the time of the held messages, which confirms
       // them.
-      counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
-      last.num_held = last.num_held_old = 0;
+      counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held());
+      take_confirmed(last);
       take(last, stamp);
       return GateDecision::kConfirmed;
     }
@@ -248,8 +249,8 @@ bool SequenceGate::is_set_with_others(Channel channel, std::int64_t utime) const
 
 bool SequenceGate::confirm_held(Channel channel) {
   const Last& last = last_[index(channel)];
-  if (last.num_held == 0 || !last.seen || last.contested ||
-      !is_set_with_others(channel, last.held_first.utime)) {
+  if (last.held.empty() || !last.seen || last.contested ||
+      !is_set_with_others(channel, last.held.front().utime)) {
     return false;
   }
   take_held(channel);
@@ -260,25 +261,24 @@ bool SequenceGate::confirm_held(Channel channel) {
 /// confirm their time.
 GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_known) {
   Last& last = last_[index(channel)];
-  if (last.num_held > 0 && stamp.seq == last.held.seq && stamp.utime == last.held.utime) {
+  if (!last.held.empty() && stamp.seq == last.held.back().seq &&
+      stamp.utime == last.held.back().utime) {
     ++counts_[index(channel)].num_duplicate;
     return GateDecision::kDuplicate;
   }
-  if (last.num_held > 0 && !follows(last.held, stamp)) {
+  if (!last.held.empty() && !follows(last.held.back(), stamp)) {
     // If several messages agree, one that disagrees is refused, but only a limited number of times.
-    if (last.num_held > 1 && ++last.num_against < kNumToConfirm) {
+    if (last.num_held() > 1 && ++last.num_against < kNumToConfirm) {
       ++counts_[index(channel)].num_jumps;
       return GateDecision::kDuplicate;
     }
     drop_held(channel);
   }
   last.num_against = 0;
-  if (++last.num_held == 1) {
-    last.held_first = stamp;
-    last.held_order = num_accepted_;
-  }
+  if (last.held.empty()) last.held_order = num_accepted_;
+  last.held.push_back(stamp);
   // Single messages were refused one by one and yet continue each other: another source sends them.
-  const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
+  const bool goes_on_beside = last.num_held() == 1 && last.rival && follows(*last.rival, stamp) &&
                               stamp.seq - last.rival->seq <= kNearSeq;
   if (goes_on_beside) ++counts_[index(channel)].num_second_source_signs;
   if (last.seen && stamp.seq <= last.stamp.seq && stamp.utime <= last.stamp.utime &&
@@ -286,38 +286,44 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
     ++last.num_held_old;
   }
   if (last.contested) ++counts_[index(channel)].num_second_source_signs;
-  last.held = stamp;
-  if (!is_time_known && (last.num_held < kNumToConfirm || is_contradicted(last))) {
-    if (last.num_held > kNumAlone) drop_held(channel);
+  if (!is_time_known && (last.num_held() < kNumToConfirm || is_contradicted(last))) {
+    if (last.num_held() > kNumAlone) drop_held(channel);
     return GateDecision::kHeld;
   }
-  const bool alone = last.num_held == 1;
+  const bool alone = last.num_held() == 1;
   take_held(channel);
   return alone ? GateDecision::kNew : GateDecision::kConfirmed;
 }
 
 void SequenceGate::take_held(Channel channel) {
   Last& last = last_[index(channel)];
-  const Stamp stamp = last.held;
-  const int num_held = std::exchange(last.num_held, 0);
-  last.num_held_old = 0;
+  const Stamp stamp = last.held.back();
   if (last.seen && follows(last.stamp, stamp)) {  // a jump ahead, and the source stays there
-    counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - num_held);
+    counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held());
     last.pace.forget();
     take(last, stamp);
-    return;
+  } else {
+    begin_again(channel, stamp);
+    last.before.reset();
+    last.contested = false;
   }
-  begin_again(channel, stamp);
-  last.before.reset();
-  last.contested = false;
+  take_confirmed(last);
 }
 
 void SequenceGate::drop_held(Channel channel) {
   Last& last = last_[index(channel)];
   counts_[index(channel)].num_duplicate += last.num_held_old;
-  counts_[index(channel)].num_jumps += last.num_held - last.num_held_old;
-  if (last.num_held > 0) last.rival = last.held;
-  last.num_held = last.num_held_old = 0;
+  counts_[index(channel)].num_jumps += last.num_held() - last.num_held_old;
+  if (!last.held.empty()) last.rival = last.held.back();
+  last.held.clear();
+  last.num_held_old = 0;
+}
+
+/// Each held message is used now, so that it is a duplicate when it comes again.
+void SequenceGate::take_confirmed(Last& last) {
+  for (const Stamp& stamp : last.held) remember(last, stamp);
+  last.held.clear();
+  last.num_held_old = 0;
 }
 
 void SequenceGate::take(Last& last, const Stamp& stamp) {
@@ -346,6 +352,7 @@ void SequenceGate::begin_again(Channel channel, const Stamp& stamp) {
     if (soon && stamp.seq > 0 && stamp.seq < last.stamp.seq + kNearSeq)
       ++counts.num_second_source_signs;
     last.before = last.stamp;
+    last.before_first_seq = last.first_seq;
     last.restart_order = num_accepted_;
   }
   ++last.run;

@@ -61,7 +61,7 @@ class SequenceGate {
   bool confirm_held(Channel channel);
 
   /// Number of the newest messages of the channel that wait for confirmation.
-  int num_held(Channel channel) const { return last_[index(channel)].num_held; }
+  int num_held(Channel channel) const { return last_[index(channel)].num_held(); }
 
   /// The drive time of a message that is used, in the order of use; none for one to be dropped,
   /// because its channel was at a later time already: the clock was set back a little.
@@ -122,21 +122,22 @@ class SequenceGate {
   struct Last {
     bool seen = false;
     Stamp stamp;
-    std::int32_t first_seq = 0;   ///< first seq of the run
-    std::int32_t run = 0;         ///< +1 with every restart
-    std::int64_t order = 0;       ///< number of accepted messages when this one was accepted
-    std::vector<Seen> history;    ///< indexed by seq modulo its size
-    std::optional<Stamp> before;  ///< last message before the last restart
+    std::int32_t first_seq = 0;         ///< first seq of the run
+    std::int32_t run = 0;               ///< +1 with every restart
+    std::int64_t order = 0;             ///< number of accepted messages when this one was accepted
+    std::vector<Seen> history;          ///< indexed by seq modulo its size
+    std::optional<Stamp> before;        ///< last message before the last restart
+    std::int32_t before_first_seq = 0;  ///< first seq of the run of `before`
     std::int64_t restart_order = 0;
-    bool contested = false;  ///< the source from before the restart still sends
-    int num_held = 0;
+    bool contested = false;       ///< the source from before the restart still sends
+    std::vector<Stamp> held;      ///< messages that wait for confirmation, in order of seq
     int num_against = 0;          ///< contradictions of the held messages since the last agreement
     std::int64_t held_order = 0;  ///< number of accepted messages when the first was held
     int num_held_old = 0;         ///< held messages that look like duplicates
-    Stamp held;                   ///< newest held message
     std::optional<Stamp> rival;   ///< newest held message that was refused
-    Stamp held_first;             ///< oldest held message
     Pace pace;
+
+    int num_held() const { return static_cast<int>(held.size()); }
   };
 
   static std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }
@@ -152,6 +153,7 @@ class SequenceGate {
   void take_held(Channel channel);
   void drop_held(Channel channel);
   void take(Last& last, const Stamp& stamp);
+  void take_confirmed(Last& last);
   void remember(Last& last, const Stamp& stamp);
   void begin_again(Channel channel, const Stamp& stamp);
 

@@ -110,7 +110,7 @@ int run_status(const StatusOptions& options) {
   const std::string url = field_url(options.lcm_url, options.config_path);
   bus::StopSignal stop;
   bus::Bus bus(url);
-  StatusBoard board;
+  StatusBoard board(bus::machine_name());
   bus.subscribe_status(
       [&board](const bus::Status& status) { board.note(status, bus::wall_utime()); });
   const bool once = options.once || options.json;

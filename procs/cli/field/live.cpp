@@ -497,7 +497,7 @@ int run_live(const LiveOptions& given) {
 
   bus::StopSignal stop;
   bus::Bus bus(url);
-  StatusBoard board;
+  StatusBoard board(bus::machine_name());
   bus.subscribe_status(
       [&board](const bus::Status& status) { board.note(status, bus::wall_utime()); });
   Launch launch(plans);

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "bus/node/process_report.hpp"
 #include "text/encoded_text.hpp"
 
 namespace orchard::cli {
@@ -41,10 +42,9 @@ void StatusBoard::note(const bus::Status& status, std::int64_t receipt_utime) {
 
 /// Removes the earlier entry of a restarted process, whose host field has another process id.
 void StatusBoard::forget_earlier(const bus::Status& status, std::int64_t receipt_utime) {
-  const auto machine = [](const std::string& host) { return host.substr(0, host.rfind(':')); };
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     const bool same = entry->first.second == status.name &&
-                      machine(entry->first.first) == machine(status.host) &&
+                      bus::machine_of(entry->first.first) == bus::machine_of(status.host) &&
                       entry->first.first != status.host;
     const bool silent = receipt_utime - entry->second.receipt_utime > kSilentAfter_us;
     entry = same && silent ? entries_.erase(entry) : std::next(entry);
@@ -61,8 +61,10 @@ std::vector<ProcessView> StatusBoard::processes(std::int64_t now_utime) const {
     view.age_s = 1e-6 * static_cast<double>(age_us);
     if (entry.last.input_period_s > 0.0) view.input_hz = 1.0 / entry.last.input_period_s;
     // Transport delays the receipt, never advances it: the max difference has the least delay.
-    view.clock_offset_s = 1e-6 * static_cast<double>(*std::max_element(entry.offsets_us.begin(),
-                                                                       entry.offsets_us.end()));
+    if (bus::machine_of(key.first) != own_machine_) {
+      view.clock_offset_s = 1e-6 * static_cast<double>(*std::max_element(entry.offsets_us.begin(),
+                                                                         entry.offsets_us.end()));
+    }
     view.num_new_lost = entry.num_new_lost;
     views.push_back(std::move(view));
   }

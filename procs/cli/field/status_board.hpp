@@ -18,13 +18,16 @@ struct ProcessView {
   bus::Status status;
   double age_s = 0.0;             ///< since its last STATUS
   double input_hz = 0.0;          ///< 0 without input
-  double clock_offset_s = 0.0;    ///< clock of its host minus ours
+  double clock_offset_s = 0.0;    ///< clock of its host minus ours; 0 on our own
   std::int64_t num_new_lost = 0;  ///< messages lost since the STATUS before
 };
 
 /// Collects the status of all processes of all hosts from STATUS. Pure: times are arguments.
 class StatusBoard {
  public:
+  /// `own_machine`: the name of this machine, whose processes have its clock.
+  explicit StatusBoard(std::string own_machine = {}) : own_machine_(std::move(own_machine)) {}
+
   /// Adds a STATUS. `receipt_utime`: our clock at its arrival [us].
   void note(const bus::Status& status, std::int64_t receipt_utime);
 
@@ -40,6 +43,7 @@ class StatusBoard {
   };
   void forget_earlier(const bus::Status& status, std::int64_t receipt_utime);
 
+  std::string own_machine_;
   std::map<std::pair<std::string, std::string>, Entry> entries_;
 };
 

@@ -61,6 +61,13 @@ TEST(StatusBoard, ClocksThatAreApartAreNamedAndSlowMessagesAreNot) {
   EXPECT_EQ(table.find("ahead"), std::string::npos);
 }
 
+TEST(StatusBoard, AProcessOfThisMachineHasItsClock) {
+  StatusBoard board("a");
+  board.note(status_of("orchard-detector", "a:17", 0, kNow), kNow + 23'000);  // a busy machine
+  EXPECT_EQ(board.processes(kNow)[0].clock_offset_s, 0.0);
+  EXPECT_FALSE(needs_attention(board.processes(kNow)[0]));
+}
+
 TEST(StatusText, NothingFromOutsideReachesTheTerminalAsACode) {
   StatusBoard board;
   bus::Status status = status_of("orchard-\033[31mx", "h\nost", 0, kNow);

@@ -70,6 +70,50 @@ TEST(SequenceGate, ABurstThatWasHeldUpFillsItsGap) {
   EXPECT_EQ(gate.counts().num_restarts, 0);
 }
 
+// Five messages two hours ahead are held until they agree; each of them came, and comes again.
+TEST(SequenceGate, AHeldMessageThatComesAgainIsADuplicate) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 0, kStart, 10);
+  drive(gate, Channel::kScan, 10, kStart + 2 * kHour, 10);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(gate.accept(Channel::kScan, 10 + i, kStart + 2 * kHour + i * kSecond / 10),
+              GateDecision::kDuplicate)
+        << i;
+  }
+  EXPECT_EQ(gate.counts().num_lost, 0);
+}
+
+// A second source begins and the first goes on: what was sent before it was first heard is not lost.
+TEST(SequenceGate, BesideASecondSourceNothingMoreWasLost) {
+  SequenceGate gate;
+  gate.accept(Channel::kScan, 5000, kStart);
+  gate.accept(Channel::kScan, 0, kStart + kSecond / 20);
+  gate.accept(Channel::kScan, 5001, kStart + kSecond / 10);
+  gate.accept(Channel::kScan, 4999, kStart - kSecond / 10);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+}
+
+// Whatever is swapped, repeated, lost and restarted: a count is not negative.
+TEST(SequenceGate, NeverCountsLessThanNothing) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SequenceGate gate;
+    std::mt19937 random(seed);
+    std::int32_t seq = 0;
+    std::int64_t utime = kStart;
+    std::vector<std::pair<std::int32_t, std::int64_t>> sent;
+    for (int i = 0; i < 300; ++i) {
+      if (random() % 50 == 0) seq = static_cast<std::int32_t>(random() % 3000);
+      if (random() % 60 == 0) utime += (random() % 2 == 0 ? 1 : -1) * 2 * kHour;
+      sent.emplace_back(seq++, utime += kSecond / 10);
+      const std::size_t back = random() % std::min<std::size_t>(sent.size(), 20);
+      const auto [some_seq, some_utime] = sent[sent.size() - 1 - (random() % 3 == 0 ? back : 0)];
+      if (random() % 10 != 0) gate.accept(Channel::kScan, some_seq, some_utime);
+      ASSERT_GE(gate.counts().num_lost, 0) << "seed " << seed << ", message " << i;
+    }
+  }
+}
+
 TEST(SequenceGate, AcceptsARestartedSourceAtOnce) {
   SequenceGate gate;
   EXPECT_EQ(gate.accept(Channel::kScan, 500, 100), GateDecision::kNew);

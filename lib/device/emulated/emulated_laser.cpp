@@ -420,8 +420,16 @@ void ScipDevice::obey_stream(const std::string& command) {
   if (last > model_.last_step) return answer(command, "04");
   if (last < first) return answer(command, "05");
   if (is_in_clock_mode_) return answer(command, "10");
+  if (status_ != "00") return answer(command, status_);
   stream_ = command;
   answer(command, "00");
+}
+
+void ScipDevice::set_status(const std::string& status) {
+  status_ = status;
+  if (status_ == "00" || stream_.empty()) return;
+  answer(stream_, status_);
+  stream_.clear();
 }
 
 void ScipDevice::measured(const device::Measurement& measurement) {

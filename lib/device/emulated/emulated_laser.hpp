@@ -119,6 +119,10 @@ class ScipDevice : public EmulatedScanner {
   void receive(std::string_view bytes, std::int64_t utime) override;
   void measured(const device::Measurement& measurement) override;
 
+  /// Stops the sweeps and refuses them with this status (specification, 8.1): "10" while it gets
+  /// ready, "50" with a fault of its motor; "00" ends that.
+  void set_status(const std::string& status);
+
  private:
   void obey(const std::string& command, std::int64_t utime);
   void answer(const std::string& command, const std::string& status, const std::string& body = {});
@@ -130,6 +134,7 @@ class ScipDevice : public EmulatedScanner {
   ScipModel model_;
   std::string half_command_;
   std::string stream_;  ///< the active stream command; empty: none
+  std::string status_ = "00";
   bool is_in_clock_mode_ = false;
 };
 

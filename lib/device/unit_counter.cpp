@@ -40,7 +40,9 @@ std::string UnitCounter::warning(std::string_view units) const {
   }
   const std::int64_t num_all = sum.num_good + sum.num_bad;
   // One alone is no rate: half a unit at the start of a connection.
-  if (sum.num_bad < 2 || static_cast<double>(sum.num_bad) <= kMaxRefused * static_cast<double>(num_all)) return {};
+  if (sum.num_bad < 2 ||
+      static_cast<double>(sum.num_bad) <= kMaxRefused * static_cast<double>(num_all))
+    return {};
   return std::to_string(sum.num_bad) + " of " + std::to_string(num_all) + " " + std::string(units) +
          " refused in " + std::to_string(kSeconds) + " s: " + why_;
 }

@@ -2,6 +2,7 @@
 #include "device/lines/controller_protocol.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -14,12 +15,17 @@ namespace {
 constexpr std::int64_t kLongestStep_us = 1'000'000;
 constexpr double kWheelSpeedMax_mps = 30.0;  // a wheel of any robot that drives among trees
 
+/// physical: a wheel pulls with its grip on the ground, which is hardly more than its weight.
+constexpr double kWheelAccelerationMax_mps2 = 10.0;
+
 constexpr double kSpeedMax_mps = 50.0;  // no vehicle among trees
 constexpr double kYawRateMax_radps = 50.0;
 constexpr double kAngularRateMax_radps = 100.0;  // above what inertial units measure (2000 deg/s)
 constexpr double kAccelerationMax_mps2 = 400.0;
 constexpr double kAngleMax_rad = 12.6;  // two turns, for who does not wrap
 constexpr std::size_t kMaxWords = 16;
+
+constexpr const char* kImpossibleStep = "faster than a wheel can accelerate";
 
 constexpr std::string_view kSeparators = " \t,";
 
@@ -160,7 +166,8 @@ std::array<double, 3> rotated(const Matrix& R, const std::array<double, 3>& vect
 
 WheelTicks::Outcome WheelTicks::add(const TickLine& ticks, std::int64_t utime) {
   if (before_ && utime <= before_->utime) return Outcome::kNoTime;
-  const std::optional<Stand> before = std::exchange(before_, Stand{ticks, utime});
+  earlier_ = std::exchange(before_, Stand{ticks, utime});
+  const std::optional<Stand>& before = earlier_;
   if (!before || utime - before->utime > kLongestStep_us) return Outcome::kFirst;
   const std::int64_t step_us = utime - before->utime;
   const double step_s = 1e-6 * static_cast<double>(step_us);
@@ -184,6 +191,32 @@ double WheelTicks::moved_m(std::int64_t from, std::int64_t to, double metres_per
 
 void WheelTicks::shift_time(std::int64_t step_us) {
   if (before_) before_->utime += step_us;
+}
+
+bool AccelerationCheck::is_possible(const pose::Odometry& odometry, double resolution_m) {
+  const Last now{odometry.speed_mps, odometry.yaw_rate_radps, odometry.utime};
+  if (!last_ || now.utime - last_->utime > kLongestStep_us || now.utime <= last_->utime) {
+    first_utime_ = now.utime;
+    num_steps_ = 0;
+    is_refused_ = false;
+    last_ = now;
+    return true;
+  }
+  // Lines are sent at a steady rate, whatever the line and the host make of it.
+  ++num_steps_;
+  const double mean_step_s = 1e-6 * static_cast<double>(now.utime - first_utime_) / num_steps_;
+  const double step_s = std::max(1e-6 * static_cast<double>(now.utime - last_->utime), mean_step_s);
+  const double change_mps = std::abs(now.speed_mps - last_->speed_mps) +
+                            half_distance_m_ * std::abs(now.yaw_rate_radps - last_->yaw_rate_radps);
+  const double max_mps = kWheelAccelerationMax_mps2 * step_s + 2.0 * resolution_m / step_s;
+  is_refused_ = !is_refused_ && change_mps > max_mps;
+  if (!is_refused_) last_ = now;
+  return !is_refused_;
+}
+
+void AccelerationCheck::shift_time(std::int64_t step_us) {
+  if (last_) last_->utime += step_us;
+  first_utime_ += step_us;
 }
 
 std::uint8_t line_checksum(std::string_view bytes) {
@@ -222,7 +255,12 @@ std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view te
 
 ControllerProtocol::ControllerProtocol(const OdometryDriverConfig& odometry,
                                        const ImuDriverConfig& imu)
-    : lines_(kLongestLine_bytes), ticks_(odometry), clock_(32, 1.0) {
+    : lines_(kLongestLine_bytes),
+      ticks_(odometry),
+      metres_per_tick_(
+          std::max(std::abs(odometry.metres_per_tick[0]), std::abs(odometry.metres_per_tick[1]))),
+      acceleration_(odometry.wheel_distance_m),
+      clock_(32, 1.0) {
   const Matrix R = rotation(imu.mount_rad);
   std::copy_n(R.data(), R_base_imu_.size(), R_base_imu_.begin());
 }
@@ -230,6 +268,7 @@ ControllerProtocol::ControllerProtocol(const OdometryDriverConfig& odometry,
 void ControllerProtocol::connected(std::int64_t host_utime) {
   lines_.restart(true);
   ticks_.restart();
+  acceleration_.restart();
   clock_.begin_connection();
   needs_checksum_ = false;
   is_given_up_ = false;
@@ -253,6 +292,7 @@ void ControllerProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
   units_.host_clock_stepped();
   if (!ticks_by_device_clock_) ticks_.shift_time(step_us);
+  acceleration_.shift_time(step_us);
   heard_utime_ += step_us;
   odometry_utime_ += step_us;
   imu_utime_ += step_us;
@@ -319,7 +359,7 @@ std::string ControllerProtocol::use(const SensorLine& line, std::int64_t host_ut
     }
   }
   if (const auto* velocity = std::get_if<VelocityLine>(&line.content)) {
-    add_velocity(*velocity, utime);
+    return add_velocity(line, *velocity, utime);
   } else if (const auto* ticks = std::get_if<TickLine>(&line.content)) {
     return add_ticks(line, *ticks, time_us, utime);
   } else {
@@ -328,14 +368,22 @@ std::string ControllerProtocol::use(const SensorLine& line, std::int64_t host_ut
   return {};
 }
 
-void ControllerProtocol::add_velocity(const VelocityLine& line, std::int64_t utime) {
+std::string ControllerProtocol::add_velocity(const SensorLine& line, const VelocityLine& velocity,
+                                             std::int64_t utime) {
   pose::Odometry odometry;
   odometry.utime = utime;
-  odometry.speed_mps = line.speed_mps;
-  odometry.yaw_rate_radps = line.yaw_rate_radps;
-  odometry.covariance = {line.speed_sd_mps * line.speed_sd_mps, 0.0,
-                         line.yaw_rate_sd_radps * line.yaw_rate_sd_radps};
+  odometry.speed_mps = velocity.speed_mps;
+  odometry.yaw_rate_radps = velocity.yaw_rate_radps;
+  odometry.covariance = {velocity.speed_sd_mps * velocity.speed_sd_mps, 0.0,
+                         velocity.yaw_rate_sd_radps * velocity.yaw_rate_sd_radps};
+  if (!is_possible(line, odometry, 0.0)) return kImpossibleStep;
   add(odometry, odometry_utime_);
+  return {};
+}
+
+bool ControllerProtocol::is_possible(const SensorLine& line, const pose::Odometry& odometry,
+                                     double resolution_m) {
+  return line.has_checksum || acceleration_.is_possible(odometry, resolution_m);
 }
 
 std::string ControllerProtocol::add_ticks(const SensorLine& line, const TickLine& ticks,
@@ -352,6 +400,10 @@ std::string ControllerProtocol::add_ticks(const SensorLine& line, const TickLine
   if (outcome != WheelTicks::Outcome::kMoved) return {};
   pose::Odometry odometry = ticks_.odometry();
   if (by_device_clock) odometry.utime = clock_.host_utime(static_cast<double>(odometry.utime));
+  if (!is_possible(line, odometry, metres_per_tick_)) {
+    ticks_.take_back();
+    return kImpossibleStep;
+  }
   add(odometry, odometry_utime_);
   return {};
 }

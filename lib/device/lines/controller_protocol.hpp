@@ -85,6 +85,9 @@ class WheelTicks {
   /// The next line is a first one.
   void restart() { before_.reset(); }
 
+  /// The last kMoved was refused: the next step begins where that one did.
+  void take_back() { before_ = earlier_; }
+
  private:
   struct Stand {
     TickLine ticks;
@@ -94,7 +97,33 @@ class WheelTicks {
 
   OdometryDriverConfig config_;
   std::optional<Stand> before_;
+  std::optional<Stand> earlier_;
   pose::Odometry odometry_;
+};
+
+/// Finds a damaged digit in lines without a checksum: a speed that no wheel reaches in one step.
+class AccelerationCheck {
+ public:
+  explicit AccelerationCheck(double wheel_distance_m) : half_distance_m_(wheel_distance_m / 2.0) {}
+
+  /// Whether the wheels can have this speed after that of the line before; twice in a row they
+  /// must have it. `resolution_m`: of the way of a wheel in a step.
+  bool is_possible(const pose::Odometry& odometry, double resolution_m);
+
+  void restart() { last_.reset(); }
+  void shift_time(std::int64_t step_us);
+
+ private:
+  struct Last {
+    double speed_mps;
+    double yaw_rate_radps;
+    std::int64_t utime;
+  };
+  double half_distance_m_;
+  std::optional<Last> last_;
+  std::int64_t first_utime_ = 0;  ///< of the lines since the restart
+  int num_steps_ = 0;             ///< since then
+  bool is_refused_ = false;       ///< the line before
 };
 
 /// A robot's controller that sends text lines: wheel velocities, wheel ticks, an inertial unit. It
@@ -116,16 +145,20 @@ class ControllerProtocol : public Protocol {
   void take_line(std::string_view text, std::int64_t host_utime);
   void refuse(std::string_view text, const std::string& why, std::int64_t host_utime);
   std::string use(const SensorLine& line, std::int64_t host_utime);
-  void add_velocity(const VelocityLine& line, std::int64_t utime);
+  std::string add_velocity(const SensorLine& line, const VelocityLine& velocity,
+                           std::int64_t utime);
   std::string add_ticks(const SensorLine& line, const TickLine& ticks, double time_us,
                         std::int64_t utime);
   void add_inertial(const InertialLine& line, std::int64_t utime);
+  bool is_possible(const SensorLine& line, const pose::Odometry& odometry, double resolution_m);
   template <class M>
   void add(M measurement, std::int64_t& last_utime);
 
   std::array<double, 9> R_base_imu_;  ///< row by row
   LineSplitter lines_;
   WheelTicks ticks_;
+  double metres_per_tick_;  ///< the larger one
+  AccelerationCheck acceleration_;
   DeviceClock clock_;
   bool ticks_by_device_clock_ = false;
   bool needs_checksum_ = false;  ///< since a line of this connection had one

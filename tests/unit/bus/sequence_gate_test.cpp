@@ -84,7 +84,8 @@ TEST(SequenceGate, AHeldMessageThatComesAgainIsADuplicate) {
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
-// A second source begins and the first goes on: what was sent before it was first heard is not lost.
+// A second source begins and the first goes on: what was sent before it was first heard is not
+// lost.
 TEST(SequenceGate, BesideASecondSourceNothingMoreWasLost) {
   SequenceGate gate;
   gate.accept(Channel::kScan, 5000, kStart);

@@ -117,6 +117,72 @@ TEST(ControllerProtocol, ARestartedControllerMakesNoJump) {
   }
 }
 
+// 0.02 s between lines: 10 m/s2 change a speed by 0.2 m/s.
+TEST(ControllerProtocol, ADamagedSpeedIsRefusedOnceAndCounted) {
+  ControllerProtocol protocol = connected();
+  std::int64_t utime = kStart_us;
+  const auto speeds = [&](std::initializer_list<const char*> lines) {
+    for (const char* line : lines) {
+      protocol.receive(std::string(line) + "\n", utime += 20'000);
+    }
+    std::vector<double> found;
+    for (const auto& odometry : taken<pose::Odometry>(protocol)) {
+      found.push_back(odometry.speed_mps);
+    }
+    return found;
+  };
+  using Speeds = std::vector<double>;
+  EXPECT_EQ(speeds({"V 0.5 0", "V 0.52 0", "V 5.2 0", "V 0.54 0"}), (Speeds{0.5, 0.52, 0.54}));
+  EXPECT_EQ(protocol.counts().num_bad, 1);
+  // A turn that the outer wheel would need 32 m/s2 for: the wheels are 0.5 m apart.
+  EXPECT_EQ(speeds({"V 0.54 0.013", "V 0.54 2.6", "V 0.54 0.026"}), (Speeds{0.54, 0.54}));
+  EXPECT_EQ(protocol.counts().num_bad, 2);
+  EXPECT_EQ(speeds({"V 0.73 0", "V 0.54 0"}), (Speeds{0.73, 0.54})) << "9.5 m/s2";
+  EXPECT_EQ(speeds({"V 3 0", "V 3 0", "V 3 0"}), (Speeds{3, 3})) << "it goes on";
+  EXPECT_EQ(protocol.counts().num_bad, 3);
+  const std::string with_sum = with_checksum("V 0.1 0");
+  protocol.receive(with_sum, utime += 20'000);
+  EXPECT_EQ(taken<pose::Odometry>(protocol).size(), 1u) << "its checksum is right";
+}
+
+TEST(ControllerProtocol, ADamagedTickLineCostsNoDistance) {
+  for (const bool has_time : {true, false}) {
+    ControllerProtocol protocol = connected();  // 1 mm per tick
+    double way_m = 0.0;
+    std::int64_t last_utime = 0;
+    for (int i = 0; i <= 100; ++i) {
+      const int ticks = 1000 + 10 * i + (i == 50 ? 400 : 0);  // a 1 that became a 5
+      std::string line = "T " + std::to_string(ticks) + " " + std::to_string(1000 + 10 * i);
+      if (has_time) line += " @" + std::to_string(20'000 * i);
+      protocol.receive(line + "\n", kStart_us + 20'000 * i);
+      for (const auto& odometry : taken<pose::Odometry>(protocol)) {
+        EXPECT_NEAR(odometry.speed_mps, 0.5, 1e-6) << i;
+        EXPECT_NEAR(odometry.yaw_rate_radps, 0.0, 1e-6) << i;
+        const std::int64_t from = last_utime == 0 ? odometry.utime - 20'000 : last_utime;
+        way_m += 1e-6 * static_cast<double>(odometry.utime - from) * odometry.speed_mps;
+        last_utime = odometry.utime;
+      }
+    }
+    EXPECT_NEAR(way_m, 1.0, 1e-4) << has_time;
+    EXPECT_EQ(protocol.counts().num_bad, 1) << has_time;
+  }
+}
+
+// Lines that a USB adapter hands over three at a time, of wheels at 1 m/s that begin to slow down.
+TEST(ControllerProtocol, LinesThatComeTogetherAreNotRefused) {
+  ControllerProtocol protocol = connected();
+  std::string waiting;
+  for (int i = 0; i < 300; ++i) {
+    const double speed_mps = 1.0 - 0.02 * std::max(0, std::min(i - 100, 50));  // 1 m/s2
+    waiting += "V " + std::to_string(speed_mps) + " 0\n";
+    if (i % 3 != 2) continue;
+    protocol.receive(waiting, kStart_us + 20'000 * i);
+    waiting.clear();
+  }
+  EXPECT_EQ(taken<pose::Odometry>(protocol).size(), 300u);
+  EXPECT_EQ(protocol.counts().num_bad, 0);
+}
+
 // A unit that lies on its back and is turned by a quarter: roll 180 deg, yaw 90 deg.
 TEST(ControllerProtocol, TurnsAnInertialUnitIntoBase) {
   Rig rig;

@@ -290,6 +290,7 @@ void GpsdProtocol::connected(std::int64_t host_utime) {
   lines_.restart(false);
   clock_.begin_connection();
   noise_.reset();
+  incomplete_.reset();
   has_receivers_.reset();
   error_.clear();
   no_fix_ = {};
@@ -320,6 +321,7 @@ void GpsdProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
   units_.host_clock_stepped();
   last_utime_ += step_us;
+  if (incomplete_) incomplete_->utime += step_us;
   if (fix_utime_ != 0) fix_utime_ += step_us;
   if (deadline_) *deadline_ += step_us;
 }
@@ -402,24 +404,35 @@ void GpsdProtocol::take_fix(const GpsdFix& fix, std::int64_t host_utime) {
     // Before the first fix it searches; later it has lost what the drive may need.
     no_fix_ = last_fix_time_us_ ? Condition{Severity::kWarning, "the receiver has lost its fix"}
                                 : Condition{Severity::kWaiting, "the receiver has no fix yet"};
-    if (gnss) no_fix_.text += ": no time";
+    if (gnss) no_fix_ = {Severity::kWarning, "the receiver's fixes have no time"};
+    incomplete_.reset();
     fix_utime_ = 0;
-    return;
-  }
-  // gpsd reports after each NMEA sentence: a later report has the height.
-  if (fix.mode == 3 && !fix.altitude_m) {
-    if (fix_utime_ == 0) no_fix_ = {Severity::kWaiting, "waits for a fix with an altitude"};
     return;
   }
   fix_utime_ = host_utime;
   error_.clear();
-  // gpsd repeats a fix whenever more of its fields are known.
-  if (last_fix_time_us_ == fix.time_us) return;
+  // gpsd repeats a fix whenever more of its fields are known: after each NMEA sentence.
+  const bool is_new = last_fix_time_us_ != fix.time_us;
+  if (is_new && incomplete_) {
+    has_status_ = false;
+    publish(*std::exchange(incomplete_, std::nullopt));
+  }
+  if (!is_new && !incomplete_) {
+    has_status_ = has_status_ || fix.status != 0;
+    return;
+  }
+  gnss->utime = is_new ? stamp(*fix.time_us, host_utime) : incomplete_->utime;
   last_fix_time_us_ = fix.time_us;
-  gnss->utime = stamp(*fix.time_us, host_utime);
-  if (gnss->utime <= last_utime_) gnss->utime = last_utime_ + 1;
-  last_utime_ = gnss->utime;
-  measurements_.emplace_back(*gnss);
+  has_status_ = has_status_ || fix.status != 0;
+  const bool is_complete = (fix.mode < 3 || fix.altitude_m) && (fix.status != 0 || !has_status_);
+  incomplete_ = *gnss;
+  if (is_complete) publish(*std::exchange(incomplete_, std::nullopt));
+}
+
+void GpsdProtocol::publish(pose::Gnss gnss) {
+  if (gnss.utime <= last_utime_) gnss.utime = last_utime_ + 1;
+  last_utime_ = gnss.utime;
+  measurements_.emplace_back(gnss);
 }
 
 std::int64_t GpsdProtocol::stamp(std::int64_t fix_time_us, std::int64_t host_utime) {

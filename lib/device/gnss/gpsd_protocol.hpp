@@ -105,6 +105,7 @@ class GpsdProtocol : public Protocol {
   void take_line(std::string_view line, std::int64_t host_utime);
   Condition why_no_fix() const;
   void take_fix(const GpsdFix& fix, std::int64_t host_utime);
+  void publish(pose::Gnss gnss);
   bool is_ours(const std::string& device);
   std::int64_t stamp(std::int64_t fix_time_us, std::int64_t host_utime);
   const GpsdNoise* noise_of(const GpsdFix& fix) const;
@@ -115,6 +116,10 @@ class GpsdProtocol : public Protocol {
   std::string receiver_;  ///< the receiver in use; empty: none has reported yet
   std::optional<std::int64_t> last_fix_time_us_;
   std::int64_t last_utime_ = 0;
+  /// The last fix while a later report may have its height or status; published with the next one
+  /// where none does.
+  std::optional<pose::Gnss> incomplete_;
+  bool has_status_ = false;  ///< the receiver's fixes have one, if not in their first report
   std::optional<GpsdNoise> noise_;
   int noise_status_ = 0;  ///< status of the fix before the noise report
   int last_status_ = 0;

@@ -135,22 +135,46 @@ TEST(GpsdProtocol, StampsByTheFixItselfWhereTheHostKeepsItsTime) {
 
 TEST(GpsdProtocol, ARepeatedFixIsOneMeasurement) {
   GpsdProtocol protocol = connected();
-  protocol.receive(tpv(0) + tpv(0, ",\"status\":3") + tpv(1), kHost_us + 5);
+  protocol.receive(tpv(0) + tpv(0) + tpv(1), kHost_us + 5);
   EXPECT_EQ(taken(protocol).size(), 2u);
+}
+
+/// A fix of mode 3 without its height.
+std::string flat_tpv(int i) {
+  std::string text = tpv(i);
+  return text.replace(text.find(",\"altHAE\":51.5"), 14, "");
 }
 
 // gpsd 3.22 reports a fix first by RMC, without height, and again by GGA.
 TEST(GpsdProtocol, AFixWaitsForItsHeight) {
   GpsdProtocol protocol = connected();
-  std::string without = tpv(0);
-  without.replace(without.find(",\"altHAE\":51.5"), 14, "");
-  protocol.receive(without, kHost_us + 5);
+  protocol.receive(flat_tpv(0), kHost_us + 100'000);
   EXPECT_TRUE(taken(protocol).empty());
-  EXPECT_EQ(protocol.condition().text, "waits for a fix with an altitude");
-  protocol.receive(tpv(0), kHost_us + 9);
+  protocol.receive(tpv(0), kHost_us + 150'000);
   const auto fixes = taken(protocol);
   ASSERT_EQ(fixes.size(), 1u);
   EXPECT_EQ(fixes[0].altitude_m, 51.5);
+  EXPECT_NEAR(static_cast<double>(fixes[0].utime - kHost_us), 0.0, 1.0) << "it came with the first";
+  // A receiver that sends no height has fixes, too.
+  for (int i = 1; i < 6; ++i) protocol.receive(flat_tpv(i), kHost_us + 200'000 * i + 100'000);
+  const auto flat = taken(protocol);
+  ASSERT_EQ(flat.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(static_cast<double>(flat[static_cast<std::size_t>(i)].utime - kHost_us),
+                2e5 * (i + 1), 1.0);
+  }
+}
+
+// As of a Trimble RES720: the second report of a fix says that it is by dead reckoning.
+TEST(GpsdProtocol, AFixWaitsForItsStatusWhereOneComes) {
+  GpsdProtocol protocol = connected();
+  std::string reports = tpv(0);  // not known yet
+  for (int i = 0; i < 4; ++i) reports += (i > 0 ? tpv(i) : "") + tpv(i, ",\"status\":5");
+  reports += tpv(4) + tpv(5) + tpv(6);  // and none any more
+  protocol.receive(reports, kHost_us + 5);
+  std::vector<int> qualities;
+  for (const pose::Gnss& fix : taken(protocol)) qualities.push_back(fix.fix_quality);
+  EXPECT_EQ(qualities, (std::vector<int>{1, 6, 6, 6, 1, 1, 1}));
 }
 
 TEST(GpsdProtocol, DeviationsOfAFloatSolutionAreNotThoseOfAFixedOne) {

@@ -138,6 +138,7 @@ enum class LaserProtocol {
 struct LaserDriverConfig {
   std::string device;
   LaserProtocol protocol = LaserProtocol::kScip;
+  double delay_s = 0.0;
 };
 
 template <class Visitor>
@@ -146,6 +147,9 @@ void describe(Visitor& v, LaserDriverConfig& c) {
          "address of the scanner: tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty = no "
          "scanner");
   v.choice("protocol", c.protocol, {"scip", "cola"}, "protocol: scip for Hokuyo, cola for SICK");
+  v.expert().number("delay_s", c.delay_s, -0.5, 0.5, "s",
+                    "by how much the stamps of the scans are late, which are made earlier by it; "
+                    "`orchard calibrate delay`");
 }
 
 /// Addresses and settings of this machine's sensors. Section `drivers`.

@@ -8,7 +8,9 @@
 
 namespace orchard::device {
 
-std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol) {
+namespace {
+
+std::unique_ptr<ScannerSession> make_session(LaserProtocol protocol) {
   switch (protocol) {
     case LaserProtocol::kScip:
       return std::make_unique<ScipProtocol>();
@@ -16,6 +18,14 @@ std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol) {
       return std::make_unique<ColaProtocol>();
   }
   throw std::invalid_argument("unknown scanner protocol");
+}
+
+}  // namespace
+
+std::unique_ptr<Protocol> make_laser_protocol(const LaserDriverConfig& config) {
+  auto session = make_session(config.protocol);
+  session->set_delay(config.delay_s);
+  return session;
 }
 
 }  // namespace orchard::device

@@ -9,6 +9,6 @@
 namespace orchard::device {
 
 /// Makes the protocol object for a scanner. A new protocol is one more line in the source.
-std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol);
+std::unique_ptr<Protocol> make_laser_protocol(const LaserDriverConfig& config);
 
 }  // namespace orchard::device

@@ -45,6 +45,7 @@ bool ScannerSession::may_restart() {
 }
 
 void ScannerSession::take_scan(laser::Scan scan, std::int64_t host_utime) {
+  scan.utime -= delay_us_;
   if (last_utime_ && scan.utime <= *last_utime_) {
     return units_.add_refused(host_utime, "its time is not later than that of the sweep before");
   }

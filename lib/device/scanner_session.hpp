@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,6 +24,9 @@ class ScannerSession : public Protocol {
   ProtocolCounts counts() const override { return units_.counts(); }
 
   const DeviceClock& clock() const { return clock_; }
+
+  /// Makes all stamps earlier [s].
+  void set_delay(double delay_s) { delay_us_ = std::llround(1e6 * delay_s); }
 
  protected:
   static constexpr std::int64_t kAnswer_us = 500'000;
@@ -66,6 +70,7 @@ class ScannerSession : public Protocol {
   Condition trouble_;          ///< what the scanner reports of itself
 
  private:
+  std::int64_t delay_us_ = 0;
   std::optional<std::int64_t> last_utime_;
   std::string failure_;
 };

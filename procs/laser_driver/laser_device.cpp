@@ -10,7 +10,7 @@ namespace orchard::procs {
 bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus::Channel channel) {
   bus::StreamDevice laser;
   laser.device = config.device;
-  laser.make_protocol = [config] { return device::make_laser_protocol(config.protocol); };
+  laser.make_protocol = [config] { return device::make_laser_protocol(config); };
   laser.make_emulated = [config] {
     return device::make_emulated_laser(config.protocol, bus::wall_utime() - 60'000'000);
   };

@@ -34,13 +34,14 @@ struct CalibrateCameraOptions {
 struct CalibrateDelayOptions {
   std::vector<std::string> log_paths;  ///< drives with curves past trunks
   std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
+  std::string out_path;   ///< empty or config_path: that file; the old one is kept as .bak
+  bool of_laser = false;  ///< of the scanners, although there is a camera
   bool quiet = false;
 };
 
-/// Measures the camera's fixed delay (camera.delay_s) from logs of a turning robot and writes it
-/// into a rig's YAML; returns the exit code. Throws io::FileError and io::ConfigError, and then
-/// writes nothing.
+/// Measures the camera's fixed delay (camera.delay_s), or without a camera the scanners'
+/// (drivers.laser.delay_s), from logs of a turning robot and writes it into a rig's YAML; returns
+/// the exit code. Throws io::FileError and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_delay(const CalibrateDelayOptions& options);
 
 /// `orchard calibrate laser-camera LOG --config IN --columns N --rows N --square-m S --out OUT`, or

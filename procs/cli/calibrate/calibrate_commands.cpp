@@ -123,18 +123,22 @@ void add_laser_camera(CLI::App& calibrate, Run& run) {
 const char* const kDelayExamples =
     "  orchard calibrate delay curves.lcm --config mine.yaml --out config/timed.yaml\n"
     "Input: drives with ODOMETRY in curves to both sides past trunks. Output: camera.delay_s of\n"
-    "the rig.\n";
+    "the rig; with --laser or without a camera drivers.laser.delay_s, which the driver subtracts "
+    "from\n"
+    "the stamps of later drives (then measure the camera's anew).\n";
 
 void add_delay(CLI::App& calibrate, Run& run) {
   add_command<CalibrateDelayOptions>(
       calibrate, run, "delay",
-      "Measure the delay from the exposure of a picture to its time stamp and write it into the "
-      "rig's YAML",
+      "Measure the delay from the exposure of a picture to its time stamp, or that of the scans "
+      "after "
+      "the wheels, and write it into the rig's YAML",
       kDelayExamples, run_calibrate_delay, [](CLI::App& command, CalibrateDelayOptions& o) {
         add_required(command, "logs", o.log_paths, "LOG...",
                      "logs of drives in curves to both sides past trunks");
         add_required(command, "--config", o.config_path, "FILE", "rig of the recordings");
         add_rig_to_write(command, o.out_path);
+        command.add_flag("--laser", o.of_laser, "measure the scanners, although there is a camera");
         command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }

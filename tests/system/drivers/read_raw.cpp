@@ -20,8 +20,9 @@ namespace {
 
 std::unique_ptr<device::Protocol> make_protocol(const std::string& name) {
   if (name == "gpsd") return std::make_unique<device::GpsdProtocol>(device::GnssDriverConfig{});
-  return device::make_laser_protocol(name == "scip" ? device::LaserProtocol::kScip
-                                                    : device::LaserProtocol::kCola);
+  device::LaserDriverConfig config;
+  if (name == "cola") config.protocol = device::LaserProtocol::kCola;
+  return device::make_laser_protocol(config);
 }
 
 void print(const laser::Scan& scan) {

@@ -337,7 +337,7 @@ ScanMotion::ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount
 }
 
 ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
-  Expected expected{last_motion_, unknown_motion()};
+  Expected expected{last_motion_, unknown_motion(), unknown_motion()};
   if (wheels_.started()) {
     wheels_.advance_to(utime);
     if (wheels_.time_since_motion_s() <= PoseConfig::kOdometryGapMax_s) {
@@ -349,7 +349,10 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
       expected.T_from_to = m.delta;
       expected.is_measured =
           (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();
-      if (expected.is_measured) expected.covariance = covariance;
+      if (expected.is_measured) {
+        expected.covariance = covariance;
+        expected.P_base = compose_covariance(Eigen::Vector3d::Zero(), P_base_, m.delta, covariance);
+      }
     }
     wheels_.restart(OdometryCalibration::Zero());
   }
@@ -369,6 +372,9 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   motion.utime_to = scan.utime;
   motion.T_from_to = expected.T_from_to;
   motion.covariance = expected.covariance;
+  const bool mends = expected.is_measured && !was_reliable_;
+  const Eigen::Matrix3d P_before = mends ? P_base_ : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+  P_base_ = expected.P_base;
   std::vector<SurfacePoint> few = thinned(points, kThinning_m);
   if (static_cast<int>(few.size()) < kPointsMin || map_.empty()) return motion;
 
@@ -377,8 +383,8 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   double shift_max_m = config_.search_shift_m, turn_max_rad = geometry::kPi;
   if (expected.is_measured) {
     shift_max_m = std::min(
-        shift_max_m, kSearchSigmas * std::sqrt(expected.covariance.topLeftCorner<2, 2>().trace()));
-    turn_max_rad = std::min(geometry::kPi, kSearchSigmas * std::sqrt(expected.covariance(2, 2)));
+        shift_max_m, kSearchSigmas * std::sqrt(expected.P_base.topLeftCorner<2, 2>().trace()));
+    turn_max_rad = std::min(geometry::kPi, kSearchSigmas * std::sqrt(expected.P_base(2, 2)));
   } else {
     Eigen::Vector3d straight_on = last_motion_;
     straight_on.z() = 0.0;
@@ -401,7 +407,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(T_map_base_.z());
   const Eigen::Matrix3d told = information_of(matcher, few, match);
-  Eigen::Matrix3d known = R * expected.covariance.inverse() * R.transpose();
+  Eigen::Matrix3d known = R * expected.P_base.inverse() * R.transpose();
   Eigen::Matrix3d P = (told + known).inverse();
   Eigen::Vector3d apart = match.T_map_base - T_expected;
   apart.z() = geometry::wrap_angle_rad(apart.z());
@@ -419,9 +425,11 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
     motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
   }
   if (is_contradicted) P += apart * apart.transpose();
-  motion.covariance = R.transpose() * P * R;
-  motion.covariance = 0.5 * (motion.covariance + motion.covariance.transpose()).eval();
-  motion.reliable = match.score >= kScoreReliable && is_sure(motion.covariance) && !is_contradicted;
+  P_base_ = R.transpose() * P * R;
+  P_base_ = 0.5 * (P_base_ + P_base_.transpose()).eval();
+  motion.reliable = match.score >= kScoreReliable && is_sure(P_base_) && !is_contradicted;
+  // A good fit after a poor one also mends the motion before.
+  motion.covariance = P_base_ + P_before;
   return motion;
 }
 
@@ -440,6 +448,10 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
   last_motion_ = motion.T_from_to;
   velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
   T_map_base_ = compose(T_map_base_, motion.T_from_to);
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(-motion.T_from_to.z());
+  P_base_ = (R * P_base_ * R.transpose()).eval();
+  was_reliable_ = motion.reliable;
   utime_ = scan.utime;
   if (config_.deskew && scan.beam_period_us > 0.0 && !velocity_known_) {
     // The first scan was not deskewed because the velocity was unknown: restart the map.

@@ -120,8 +120,9 @@ class ScanMotion {
   /// What is expected of a motion before the scan is looked at, in the axes of base before it.
   struct Expected {
     Eigen::Vector3d T_from_to;
-    Eigen::Matrix3d covariance;
-    bool is_measured = false;  ///< by the wheels
+    Eigen::Matrix3d covariance;  ///< of the motion
+    Eigen::Matrix3d P_base;      ///< of base in the local map, after it
+    bool is_measured = false;    ///< by the wheels
   };
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);
@@ -142,6 +143,10 @@ class ScanMotion {
   PointMap map_;
   std::optional<std::int64_t> utime_;
   Eigen::Vector3d T_map_base_ = Eigen::Vector3d::Zero();
+  /// Covariance of T_map_base_ in the local map, in the axes of base: after a poor fit the pose may
+  /// be wrong, and the next good one mends it.
+  Eigen::Matrix3d P_base_ = Eigen::Matrix3d::Zero();
+  bool was_reliable_ = true;
   Eigen::Vector3d last_motion_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< per second, in base
   bool velocity_known_ = false;

@@ -268,6 +268,39 @@ TEST(ScanMotion, WheelsThatSlipInTurnsAreFoundOut) {
   EXPECT_LT(std::abs(error.z()), 0.005);
 }
 
+TEST(ScanMotion, TheNextGoodScanMendsWhatWasGuessed) {
+  // A scan without returns where the wheels slip and say that they may.
+  const CastWorld world = orchard_world();
+  const std::vector<Eigen::Vector3d> path = weaving_path(40);
+  std::mt19937 random(5);
+  ScanMotion motion = motion_of();
+  Eigen::Vector3d reached = path.front();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const auto utime = static_cast<std::int64_t>(i) * kPeriod_us;
+    const bool slips = i == 20;
+    if (i > 0) {
+      Odometry odometry = wheels(utime, between(path[i - 1], path[i]), slips ? 2.2 : 1.0, 1.0);
+      if (slips) odometry.covariance = {9.0, 0.0, 0.01};
+      motion.add(odometry);
+    }
+    laser::Scan scan = world.scan(utime, path[i], &random, 0.08);
+    if (slips) scan.ranges_m.clear();
+    const auto moved = motion.add(scan);
+    if (!moved) continue;
+    const Eigen::Vector3d wrong_m = between(between(path[i - 1], path[i]), moved->T_from_to);
+    reached = compose(reached, moved->T_from_to);
+    if (i == 20) {
+      EXPECT_GT(wrong_m.x(), 0.25);
+    }
+    if (i == 21) {
+      EXPECT_LT(wrong_m.x(), -0.25) << "mended";
+      EXPECT_GT(moved->covariance(0, 0), 0.25 * 0.25) << "and no good measure of this step";
+      EXPECT_TRUE(moved->reliable);
+    }
+  }
+  EXPECT_LT(between(path.back(), reached).head<2>().norm(), 0.1);
+}
+
 TEST(ScanMotion, SaysThatARoughHedgeTellsLittleAlongIt) {
   // leaves anywhere within a band: another scan sees others
   std::mt19937 random(4);

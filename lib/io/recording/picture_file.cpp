@@ -141,18 +141,18 @@ std::optional<vision::Image> png_image(const std::uint8_t* data, std::size_t siz
                                                  : cv::IMREAD_ANYCOLOR;
   const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1,
                       const_cast<std::uint8_t*>(data));  // OpenCV has no const matrix
-  vision::Image image;
-  image.width_px = static_cast<int>(number(16));
-  image.height_px = static_cast<int>(number(20));
-  image.encoding = is_grey ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
-  image.data.resize(static_cast<std::size_t>(num_bytes));
-  cv::Mat pixels(image.height_px, image.width_px, is_grey ? CV_8UC1 : CV_8UC3, image.data.data());
-  bool is_read = false;
+  // Into a matrix of its own: OpenCV gives back one that it was given, also of half a picture.
+  cv::Mat pixels;
   try {
-    is_read = !cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION, &pixels).empty();
+    pixels = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
   }
-  if (!is_read || pixels.data != image.data.data()) return std::nullopt;
+  if (pixels.empty()) return std::nullopt;
+  vision::Image image;
+  image.width_px = pixels.cols;
+  image.height_px = pixels.rows;
+  image.encoding = pixels.channels() == 1 ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
+  image.data.assign(pixels.datastart, pixels.dataend);
   return image;
 }
 

@@ -21,6 +21,8 @@
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/map/corrections_file.hpp"
+#include "text/date_problem.hpp"
+#include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::cli {
@@ -29,6 +31,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kBytesPerMb = 1e6;
+
+/// NAME.lcm, or a piece of it.
+bool is_log_name(const std::string& name, std::smatch& match) {
+  static const std::regex kName("(.+)\\.lcm(\\.[0-9]+)?");
+  return std::regex_match(name, match, kName);
+}
 
 /// Cache of file digests by path, size and modification time, stored between runs.
 class DigestCache {
@@ -64,11 +72,21 @@ class DigestCache {
   std::string now_;
 };
 
-void require_word(const std::string& word, const std::string& where) {
-  if (is_farm_name(word)) return;
-  throw io::FileError(
-      where +
-      ": a name in a farm may only have letters, digits, \".\", \"-\" and \"_\"; rename it");
+/// Why a name cannot be that of a block, a robot or a log; empty: it can.
+std::string name_problem(const std::string& name) {
+  if (name.empty() || name.front() == '.') return "a name may not be empty or begin with \".\"";
+  if (name.find_first_of("/{}") != std::string::npos) {  // braces are Snakemake's wildcards
+    return "a name may not have \"/\", \"{\" or \"}\"";
+  }
+  return io::is_correction_text(name) ? std::string()
+                                      : "a name may only have printable characters in UTF-8";
+}
+
+void require_name(const std::string& option, const std::string& name) {
+  const std::string problem = name_problem(name);
+  if (!problem.empty()) {
+    throw io::FileError(option + " " + printable_text(name) + ": " + problem + "; give another");
+  }
 }
 
 farm::FarmSettings read_settings(const std::string& path) {
@@ -98,36 +116,113 @@ farm::FarmSettings read_settings(const std::string& path) {
   return settings;
 }
 
-/// Adds the drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
-void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache& digests,
-                FarmContent& content) {
-  static const std::regex kLog("(.+)\\.lcm(\\.[0-9]+)?");
-  const std::string inside =
-      "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot + "/";
-  std::map<std::string, std::vector<std::string>> pieces;
-  for (const std::string& name : io::folder_names(farm.path(inside))) {
-    std::smatch match;
-    if (name.front() == '.') continue;  // a log that is being copied
-    if (!std::regex_match(name, match, kLog) || !fs::is_regular_file(farm.path(inside + name))) {
-      content.notes.push_back(inside + name + " is ignored: the name of a log is NAME.lcm");
-      continue;
+/// Reads logs/BLOCK/DATE/ROBOT/NAME.lcm; what is no drive gives a note.
+class LogsReader {
+ public:
+  LogsReader(const FarmFolder& farm, FarmContent& content)
+      : farm_(farm), content_(content), digests_(farm.path("work/digests.txt")) {}
+
+  void read() {
+    for (const std::string& block : folders("logs")) {
+      for (const std::string& date : folders("logs/" + block)) {
+        const std::string of_date = "logs/" + block + "/" + date;
+        const std::string problem = date_problem(date);
+        if (!problem.empty()) {
+          ignore(of_date, date + " " + problem);
+          continue;
+        }
+        for (const std::string& robot : folders(of_date)) {
+          farm::Drive drive;
+          drive.block = block, drive.date = date, drive.robot = robot;
+          add_rig(drive);
+          add_drives(drive);
+        }
+      }
     }
-    require_word(name, farm.path(inside + name));
-    pieces[match[1]].push_back(inside + name);
-  }
-  for (const auto& [name, paths] : pieces) {
-    farm::Drive drive = of_robot;
-    drive.name = name;
-    drive.log_paths = paths;
-    std::string digest_text;
-    for (const std::string& path : paths) {
-      digest_text += digests.digest(path, farm.path(path)) + "\n";
-      drive.num_bytes += fs::file_size(farm.path(path));
+    digests_.save();
+    if (num_hidden_ > 0) {
+      content_.notes.push_back(first_hidden_ + (num_hidden_ == 1 ? " is" : " and other names are") +
+                               " hidden and ignored");
     }
-    drive.log_digest = farm::sha256_hex(digest_text);
-    content.drives.push_back(std::move(drive));
   }
-}
+
+ private:
+  void ignore(const std::string& inside, const std::string& why) {
+    content_.notes.push_back(printable_text(inside) + " is ignored: " + printable_text(why));
+  }
+
+  /// Names in a folder that can be used; hidden ones (of desktops, or a log that is being copied)
+  /// are counted, others give a note.
+  std::vector<std::string> names(const std::string& inside) {
+    std::vector<std::string> usable;
+    for (const std::string& name : io::folder_names(farm_.path(inside))) {
+      const std::string path = inside + "/" + name;
+      if (name.front() == '.') {
+        if (num_hidden_++ == 0) first_hidden_ = printable_text(path);
+      } else if (const std::string problem = name_problem(name); !problem.empty()) {
+        ignore(path, problem + "; rename it");
+      } else {
+        usable.push_back(name);
+      }
+    }
+    return usable;
+  }
+
+  std::vector<std::string> folders(const std::string& inside) {
+    std::vector<std::string> found;
+    for (const std::string& name : names(inside)) {
+      if (fs::is_directory(farm_.path(inside + "/" + name))) {
+        found.push_back(name);
+      } else {
+        ignore(inside + "/" + name, "logs are stored as logs/BLOCK/DATE/ROBOT/NAME.lcm");
+      }
+    }
+    return found;
+  }
+
+  void add_rig(farm::Drive& drive) {
+    const std::string rig = "rigs/" + drive.robot + ".yaml";
+    if (!fs::is_regular_file(farm_.path(rig))) return;
+    if (rig_digests_[rig].empty()) rig_digests_[rig] = digest_of_files({farm_.path(rig)});
+    drive.rig_path = rig;
+    drive.rig_digest = rig_digests_[rig];
+  }
+
+  /// Adds the drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
+  void add_drives(const farm::Drive& of_robot) {
+    const std::string inside =
+        "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot;
+    std::map<std::string, std::vector<std::string>> pieces;
+    for (const std::string& name : names(inside)) {
+      const std::string path = inside + "/" + name;
+      std::smatch match;
+      if (!is_log_name(name, match) || !fs::is_regular_file(farm_.path(path))) {
+        ignore(path, "the name of a log is NAME.lcm");
+        continue;
+      }
+      pieces[match[1]].push_back(path);
+    }
+    for (const auto& [name, paths] : pieces) {
+      farm::Drive drive = of_robot;
+      drive.name = name;
+      drive.log_paths = paths;
+      std::string digest_text;
+      for (const std::string& path : paths) {
+        digest_text += digests_.digest(path, farm_.path(path)) + "\n";
+        drive.num_bytes += fs::file_size(farm_.path(path));
+      }
+      drive.log_digest = farm::sha256_hex(digest_text);
+      content_.drives.push_back(std::move(drive));
+    }
+  }
+
+  const FarmFolder& farm_;
+  FarmContent& content_;
+  DigestCache digests_;
+  std::map<std::string, std::string> rig_digests_;
+  std::string first_hidden_;
+  int num_hidden_ = 0;
+};
 
 double km_of(const std::string& trajectory_path) {
   std::ifstream file(trajectory_path);
@@ -155,14 +250,6 @@ double trees_of(const std::string& map_path) {
 }
 
 }  // namespace
-
-bool is_farm_name(const std::string& word) {
-  return !word.empty() && word.front() != '.' && word.front() != '-' &&
-         std::all_of(word.begin(), word.end(), [](char c) {
-           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ||
-                  c == '_';
-         });
-}
 
 std::string corrections_line(const std::string& folder) {
   const std::string path = folder + "/" + io::kCorrectionsFile;
@@ -197,28 +284,7 @@ FarmContent FarmFolder::read() const {
   FarmContent content;
   content.settings = read_settings(path("farm.yaml"));
   fs::create_directories(path("work"));
-  DigestCache digests(path("work/digests.txt"));
-  std::map<std::string, std::string> rig_digests;
-  for (const std::string& block : io::folder_names(path("logs"))) {
-    require_word(block, path("logs/" + block));
-    for (const std::string& date : io::folder_names(path("logs/" + block))) {
-      const std::string of_date = "logs/" + block + "/" + date;
-      require_word(date, path(of_date));
-      for (const std::string& robot : io::folder_names(path(of_date))) {
-        require_word(robot, path(of_date + "/" + robot));
-        farm::Drive drive;
-        drive.block = block, drive.date = date, drive.robot = robot;
-        const std::string rig = "rigs/" + robot + ".yaml";
-        if (fs::is_regular_file(path(rig))) {
-          if (rig_digests[rig].empty()) rig_digests[rig] = digest_of_files({path(rig)});
-          drive.rig_path = rig;
-          drive.rig_digest = rig_digests[rig];
-        }
-        add_drives(*this, drive, digests, content);
-      }
-    }
-  }
-  digests.save();
+  LogsReader(*this, content).read();
   return content;
 }
 
@@ -328,18 +394,16 @@ int run_farm_init(const FarmInitOptions& options) {
 
 int run_farm_add(const FarmAddOptions& options) {
   const FarmFolder farm(options.folder);
-  require_word(options.block, "--block " + options.block);
-  require_word(options.robot, "--robot " + options.robot);
-  static const std::regex kDate("[0-9]{4}-[0-9]{2}-[0-9]{2}");
-  if (!std::regex_match(options.date, kDate)) {
-    throw io::FileError("--date " + options.date + ": not a date; write it like 2026-05-31");
-  }
+  require_name("--block", options.block);
+  require_name("--robot", options.robot);
+  const std::string problem = date_problem(options.date);
+  if (!problem.empty()) throw io::FileError("--date " + options.date + " " + problem);
   const std::string folder =
       farm.path("logs/" + options.block + "/" + options.date + "/" + options.robot);
   for (const std::string& log : options.log_paths) {
     const std::string name = fs::path(log).filename().string();
-    static const std::regex kLog(".+\\.lcm(\\.[0-9]+)?");
-    if (!is_farm_name(name) || !std::regex_match(name, kLog)) {
+    std::smatch match;
+    if (!name_problem(name).empty() || !is_log_name(name, match)) {
       throw io::FileError(log +
                           ": not the name of a log in a farm; rename it to NAME.lcm (parts of a "
                           "split log: NAME.lcm.00 ...)");

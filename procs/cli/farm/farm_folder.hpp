@@ -34,8 +34,8 @@ class FarmFolder {
   std::string path(const std::string& inside) const { return root_ + "/" + inside; }
 
   /// Reads the folder. Digests of unchanged logs (same size and time) are taken from a cache.
-  /// Throws io::FileError for names that do not satisfy is_farm_name() and for an invalid
-  /// farm.yaml.
+  /// What is no drive, such as a name that cannot be used or a date that is none, gives a note.
+  /// Throws io::FileError for an invalid farm.yaml.
   FarmContent read() const;
 
   /// The steps required for `content`. Corrections by hand are inputs of the later dates.
@@ -62,10 +62,6 @@ class FarmFolder {
 /// Line of a state.txt that identifies the corrections in `folder`, such as those carried over from
 /// the previous date; empty if there are none.
 std::string corrections_line(const std::string& folder);
-
-/// Whether a name is allowed in a farm's paths: letters, digits, ".", "-" and "_", not beginning
-/// with "." or "-".
-bool is_farm_name(const std::string& word);
 
 /// SHA-256 of the concatenated bytes of files. Throws io::FileError.
 std::string digest_of_files(const std::vector<std::string>& paths);

@@ -19,6 +19,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <string>
 #include <system_error>
@@ -165,7 +166,8 @@ void become_result(const std::string& made, const std::string& name, const std::
 }  // namespace
 
 int run_farm_step(const FarmStepOptions& options) {
-  if (!is_farm_name(options.name))
+  static const std::regex kResultName("[a-z]+-[0-9a-f]+");
+  if (!std::regex_match(options.name, kResultName))
     throw io::FileError(options.name + ": not a valid name of a result");
   for (const char* folder : {"results", "work/cost", "work/output"}) fs::create_directories(folder);
   const std::string made = "results/.making-" + options.name + "-" + unlike_any_other();
@@ -343,6 +345,7 @@ std::string status_text(const FarmFolder& farm, const FarmContent& content,
       all["steps"][farm::kind_text(kind)] = {
           {"good", c.num_good}, {"set_aside", c.num_aside}, {"open", c.num_open}};
     }
+    all["notes"] = content.notes;
     all["findings"] = ordered_json::array();
     for (const Finding& f : state.findings) {
       all["findings"].push_back({{"what", f.what}, {"of", f.of}, {"reason", f.reason}});
@@ -354,7 +357,8 @@ std::string status_text(const FarmFolder& farm, const FarmContent& content,
                        {"time_s", line(costs.time_s)},
                        {"memory_mb", line(costs.memory_mb)}};
     all["open_s"] = state.open_s;
-    return all.dump(2) + "\n";
+    // A note or a reason may name a file whose name is no UTF-8.
+    return all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
   }
   std::string text = fmt::format("{} blocks, {} dates, {} drives\n", blocks.size(), dates.size(),
                                  content.drives.size());

@@ -3,7 +3,6 @@
 
 #include <cinttypes>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,39 +15,26 @@
 #include "io/map/stored_map.hpp"
 #include "io/postgis/publication.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
+#include "text/date_problem.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
 
 constexpr std::size_t kLongestBlock = 64;
-constexpr std::int64_t kYear2000_us = 946684800000000;  ///< min valid time of a clock
-
-std::string date_of(std::int64_t utime) {
-  const std::time_t seconds = static_cast<std::time_t>(utime / 1000000);
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  char text[16];
-  std::strftime(text, sizeof(text), "%Y-%m-%d", &utc);
-  return text;
-}
-
-void require_date(const std::string& date) {
-  std::tm day{};
-  const char* end = ::strptime(date.c_str(), "%Y-%m-%d", &day);
-  if (date.size() != 10 || end == nullptr || *end != '\0') {
-    throw io::FileError("--date " + date + " is not a date; give one such as 2026-04-10");
-  }
-}
 
 std::string date_for(const PublishOptions& options, const io::StoredMap& map) {
   if (!options.date.empty()) {
-    require_date(options.date);
+    const std::string problem = date_problem(options.date);
+    if (!problem.empty()) throw io::FileError("--date " + options.date + " " + problem);
     return options.date;
   }
-  if (map.trajectories.empty() || map.trajectories.front().front().utime < kYear2000_us) {
+  const std::string date =
+      map.trajectories.empty() ? std::string() : date_text(map.trajectories.front().front().utime);
+  if (date.empty()) {
     throw io::FileError(map.name + " has no date of the drive; give it with --date");
   }
-  return date_of(map.trajectories.front().front().utime);
+  return date;
 }
 
 void require_block(const std::string& block) {

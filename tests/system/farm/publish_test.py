@@ -10,6 +10,7 @@ import tempfile
 SOURCE, ORCHARD = sys.argv[1], sys.argv[2] + "/orchard"
 sys.path.insert(0, SOURCE + "/tests/system/publish")
 import server as postgres  # noqa: E402
+from small_drive import make_drive  # noqa: E402
 
 DATES = ["2026-01-01", "2026-02-01"]
 
@@ -23,19 +24,9 @@ def run(*arguments, expected=0):
 def make_farm(folder):
     """A block driven on two dates, a few metres each."""
     farm = folder + "/farm"
-    with open(SOURCE + "/config/block.yaml") as file:
-        rig = file.read()
-    for old, new in [("mode: slam", "mode: fixes"), ("laps: 3", "laps: 1"),
-                     ("fix_rate_hz: 0", "fix_rate_hz: 10"), ("num_rows: 10", "num_rows: 2"),
-                     ("trees_per_row: 30", "trees_per_row: 6")]:
-        assert old in rig, old
-        rig = rig.replace(old, new)
     run("farm", "init", farm)
     for i, date in enumerate(DATES):
-        with open(folder + "/rig.yaml", "w") as file:
-            file.write(rig.replace("range_max_m: 20.0", f"range_max_m: 20.0\n    rate_hz: {6 + i}.0"))
-        run("simulate", "--scene", "orchard", "--seed", "1", "--config", folder + "/rig.yaml",
-            "--out", folder + "/drive.lcm")
+        make_drive(SOURCE, ORCHARD, folder + "/drive.lcm", rate_hz=6.0 + i)
         run("farm", "add", farm, folder + "/drive.lcm", "--block", "north", "--date", date,
             "--robot", "mule")
     return farm

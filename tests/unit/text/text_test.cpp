@@ -9,7 +9,9 @@
 #include <ctime>
 #include <limits>
 #include <random>
+#include <set>
 
+#include "text/date_problem.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
@@ -95,6 +97,31 @@ TEST(DateText, AClockThatCountsFromElsewhereNamesNoDay) {
        {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, std::int64_t{0},
         std::int64_t{3600000000}, std::numeric_limits<std::int64_t>::max()}) {
     EXPECT_EQ(date_text(utime), "");
+  }
+}
+
+TEST(DateProblem, IsNoneForTheDaysOfTheCalendarAlone) {
+  std::set<std::string> days;
+  for (std::int64_t day = 0; day < 366 * 231; ++day) {
+    days.insert(date_text(day * 86400LL * 1000000LL));
+  }
+  for (int year = 1970; year < 2210; ++year) {
+    for (int month = 0; month <= 13; ++month) {
+      for (int day = 0; day <= 32; ++day) {
+        char text[32];
+        std::snprintf(text, sizeof(text), "%04d-%02d-%02d", year, month, day);
+        ASSERT_EQ(date_problem(text).empty(), days.count(text) == 1) << text;
+      }
+    }
+  }
+}
+
+TEST(DateProblem, SaysWhatToWriteInstead) {
+  EXPECT_EQ(date_problem("2026-4-30"), "is not a date as it is sorted; write 2026-04-30");
+  EXPECT_EQ(date_problem("2026-04-030"), "is not a date as it is sorted; write 2026-04-30");
+  for (const char* text : {"", "soon", "-", "--", "2026", "2026-04", "2026-04-30 ", "30.4.2026",
+                           "2026-04-30-1", "2026-13-45", "2026-02-29", "2026-04--3", "26-04-30"}) {
+    EXPECT_NE(date_problem(text).find("write it like 2026-04-30"), std::string::npos) << text;
   }
 }
 

@@ -370,10 +370,6 @@ void add_log(CLI::App& app, Run& run) {
     add_required(command, "log", o.log_paths, "LOG...", "log to read, or the parts of a split log");
     command.add_flag("--json", o.json, "print JSON");
   };
-  const auto add_survey = [add_path](CLI::App& command, LogOptions& o) {
-    add_path(command, o);
-    command.add_flag("--json", o.json, "print JSON");
-  };
   add_command<LogOptions>(*log, run, "info",
                           "List the channels of a log with counts, rates and times",
                           "  orchard log info drive.lcm\n"
@@ -382,8 +378,9 @@ void add_log(CLI::App& app, Run& run) {
   add_command<LogOptions>(
       *log, run, "check", "Check a log for damage; exit code 3 if there is any",
       "  orchard log check drive.lcm && echo sound\n"
+      "  orchard log check drive-000.lcm drive-001.lcm\n"
       "Reports unreadable bytes, invalid messages, missing sequence numbers and jumps of clocks.\n",
-      run_log_check, add_survey);
+      run_log_check, add_paths);
   add_command<LogOptions>(
       *log, run, "config", "Print the configuration stored in a log, as YAML for --config",
       "  orchard log config drive.lcm > mine.yaml\n"

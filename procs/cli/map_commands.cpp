@@ -500,8 +500,9 @@ void add_farm(CLI::App& app, Run& run) {
   add_command<FarmAddOptions>(
       *farm, run, "add", "Copy logs into the folder of a farm",
       "  orchard farm add out/farm drive.lcm --block north --date 2026-05-04 --robot mule\n"
-      "The parts of a split log (drive.lcm.00, drive.lcm.01) are one drive; each other name is a\n"
-      "drive of its own. Output: logs/BLOCK/DATE/ROBOT/.\n",
+      "The parts of a split log (drive-000.lcm, drive-001.lcm of `orchard record`, drive.lcm.00,\n"
+      "drive.lcm.01 of lcm-logger) are one drive; each other name is a drive of its own. Output:\n"
+      "logs/BLOCK/DATE/ROBOT/.\n",
       run_farm_add, [](CLI::App& command, FarmAddOptions& o) {
         add_folder(command, o.folder);
         add_required(command, "log", o.log_paths, "LOG...", "logs to copy");

@@ -153,7 +153,7 @@ void LogReader::skip_to(std::uint64_t offset) {
   if (!gaps_.empty() && gaps_.back().offset + gaps_.back().size == position_) {
     gaps_.back().size += offset - position_;
   } else {
-    gaps_.push_back({position_, offset - position_});
+    gaps_.push_back({position_, offset - position_, path_});
   }
   position_ = offset;
 }

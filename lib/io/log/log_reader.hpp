@@ -17,6 +17,7 @@ namespace orchard::io {
 struct LogGap {
   std::uint64_t offset = 0;  ///< of its first byte in the file
   std::uint64_t size = 0;    ///< bytes skipped
+  std::string log;           ///< path of the file
 };
 
 /// Reads lcm-logger's format with bounded memory and recovers after damage.

@@ -10,12 +10,12 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 #include <utility>
 
 #include "bus/process/process.hpp"
 #include "cli/farm/farm.hpp"
+#include "farm/drive_pieces.hpp"
 #include "farm/farm_tasks.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
@@ -31,12 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kBytesPerMb = 1e6;
-
-/// NAME.lcm, or a piece of it.
-bool is_log_name(const std::string& name, std::smatch& match) {
-  static const std::regex kName("(.+)\\.lcm(\\.[0-9]+)?");
-  return std::regex_match(name, match, kName);
-}
 
 /// Cache of file digests by path, size and modification time, stored between runs.
 class DigestCache {
@@ -156,7 +150,7 @@ class LogsReader {
   std::vector<std::string> names(const std::string& inside) {
     std::vector<std::string> usable;
     for (const std::string& name : io::folder_names(farm_.path(inside))) {
-      const std::string path = inside + "/" + name;
+      const std::string path = inside + name;
       if (name.front() == '.') {
         if (num_hidden_++ == 0) first_hidden_ = printable_text(path);
       } else if (const std::string problem = name_problem(name); !problem.empty()) {
@@ -170,7 +164,7 @@ class LogsReader {
 
   std::vector<std::string> folders(const std::string& inside) {
     std::vector<std::string> found;
-    for (const std::string& name : names(inside)) {
+    for (const std::string& name : names(inside + "/")) {
       if (fs::is_directory(farm_.path(inside + "/" + name))) {
         found.push_back(name);
       } else {
@@ -188,28 +182,32 @@ class LogsReader {
     drive.rig_digest = rig_digests_[rig];
   }
 
-  /// Adds the drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
+  /// Adds the drives of one robot on one date.
   void add_drives(const farm::Drive& of_robot) {
     const std::string inside =
-        "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot;
-    std::map<std::string, std::vector<std::string>> pieces;
+        "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot + "/";
+    std::vector<std::string> files;
     for (const std::string& name : names(inside)) {
-      const std::string path = inside + "/" + name;
-      std::smatch match;
-      if (!is_log_name(name, match) || !fs::is_regular_file(farm_.path(path))) {
-        ignore(path, "the name of a log is NAME.lcm");
-        continue;
+      if (farm::is_log_name(name) && fs::is_regular_file(farm_.path(inside + name))) {
+        files.push_back(name);
+      } else {
+        ignore(inside + name, "the name of a log is NAME.lcm");
       }
-      pieces[match[1]].push_back(path);
     }
-    for (const auto& [name, paths] : pieces) {
+    for (const farm::DrivePieces& pieces : farm::drives_of_files(files)) {
       farm::Drive drive = of_robot;
-      drive.name = name;
-      drive.log_paths = paths;
+      drive.name = pieces.name;
       std::string digest_text;
-      for (const std::string& path : paths) {
+      for (const std::string& file : pieces.files) {
+        const std::string path = inside + file;
+        drive.log_paths.push_back(path);
         digest_text += digests_.digest(path, farm_.path(path)) + "\n";
         drive.num_bytes += fs::file_size(farm_.path(path));
+      }
+      if (!pieces.missing.empty()) {
+        content_.notes.push_back(inside + pieces.files.front() + " to " + pieces.files.back() +
+                                 " are one drive, whose pieces " + pieces.missing +
+                                 " are missing; separate drives need names without such a number");
       }
       drive.log_digest = farm::sha256_hex(digest_text);
       content_.drives.push_back(std::move(drive));
@@ -402,11 +400,10 @@ int run_farm_add(const FarmAddOptions& options) {
       farm.path("logs/" + options.block + "/" + options.date + "/" + options.robot);
   for (const std::string& log : options.log_paths) {
     const std::string name = fs::path(log).filename().string();
-    std::smatch match;
-    if (!name_problem(name).empty() || !is_log_name(name, match)) {
+    if (!name_problem(name).empty() || !farm::is_log_name(name)) {
       throw io::FileError(log +
                           ": not the name of a log in a farm; rename it to NAME.lcm (parts of a "
-                          "split log: NAME.lcm.00 ...)");
+                          "split log: NAME-000.lcm ... or NAME.lcm.00 ...)");
     }
     const std::string place = folder + "/" + name;
     if (fs::exists(place)) {

@@ -23,8 +23,9 @@ struct FarmContent {
   std::vector<std::string> notes;  ///< files below logs/ that are no drives, one sentence each
 };
 
-/// The folder of a farm: logs/BLOCK/DATE/ROBOT/NAME.lcm (pieces: NAME.lcm.00 ...), rigs/ROBOT.yaml,
-/// farm.yaml; results/ by name, maps/ by block and date, intermediate files in work/.
+/// The folder of a farm: logs/BLOCK/DATE/ROBOT/NAME.lcm (pieces: NAME-000.lcm ... or NAME.lcm.00
+/// ...), rigs/ROBOT.yaml, farm.yaml; results/ by name, maps/ by block and date, intermediate files
+/// in work/.
 class FarmFolder {
  public:
   /// Throws io::FileError when `root` is not a farm.

@@ -224,7 +224,7 @@ constexpr std::array<TaskKind, 6> kKinds{TaskKind::kCheck,   TaskKind::kMap,    
 
 /// An event to report, and the drive or date that it concerns.
 struct Finding {
-  std::string what;  ///< "set aside", "left out", "damaged", "not published"
+  std::string what;  ///< "set aside", "left out", "damaged", "pieces", "not published"
   std::string of;
   std::string reason;
 };
@@ -267,10 +267,30 @@ void add_left_out(const FarmFolder& farm, const FarmTask& task, const std::vecto
   }
 }
 
-bool is_damaged(const FarmFolder& farm, const FarmTask& task) {
+/// Adds what `orchard log check` said of a log: damage, and seconds between its pieces that none of
+/// them covers.
+void add_checked(const FarmFolder& farm, const FarmTask& task, std::vector<Finding>& findings) {
   std::ifstream file(farm.path("results/" + task.name + "/said.txt"));
   const auto said = nlohmann::json::parse(file, nullptr, false);
-  return !said.is_object() || !said.value("sound", false);
+  const auto list = [&said](const char* key) {
+    return said.is_object() && said.contains(key) ? said[key] : nlohmann::json::array();
+  };
+  std::set<std::string> damaged;
+  for (const auto& gap : list("gaps")) {
+    damaged.insert(fs::path(gap.value("log", std::string())).filename().string());
+  }
+  std::string where;
+  for (const std::string& name : damaged) where += (where.empty() ? "" : ", ") + name;
+  if (!where.empty()) where += ": ";
+  for (const farm::Drive& drive : task.drives) {
+    if (!said.is_object() || !said.value("sound", false)) {
+      findings.push_back({"damaged", drive.title(),
+                          where + "the readable part was mapped; see `orchard log check`"});
+    }
+    for (const auto& note : list("notes")) {
+      findings.push_back({"pieces", drive.title(), note.get<std::string>()});
+    }
+  }
 }
 
 FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
@@ -307,12 +327,8 @@ FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
       }
     } else if (task.kind == TaskKind::kDate) {
       add_left_out(farm, task, tasks, state.findings);
-    } else if (task.kind == TaskKind::kCheck && is_damaged(farm, task) &&
-               mapped.count(task.drives.front().log_digest) > 0) {
-      for (const farm::Drive& drive : task.drives) {
-        state.findings.push_back(
-            {"damaged", drive.title(), "the readable part was mapped; see `orchard log check`"});
-      }
+    } else if (task.kind == TaskKind::kCheck && mapped.count(task.drives.front().log_digest) > 0) {
+      add_checked(farm, task, state.findings);
     }
   }
   return state;

@@ -168,7 +168,7 @@ std::string log_json(const std::string& path, const LogSurvey& survey) {
   }
   json["gaps"] = ordered_json::array();
   for (const io::LogGap& gap : survey.gaps) {
-    json["gaps"].push_back({{"offset", gap.offset}, {"num_bytes", gap.size}});
+    json["gaps"].push_back({{"log", gap.log}, {"offset", gap.offset}, {"num_bytes", gap.size}});
   }
   if (!survey.notes.empty()) json["notes"] = survey.notes;
   // Text in a damaged log may be invalid UTF-8.
@@ -196,14 +196,15 @@ void print_channels(const LogSurvey& survey) {
   }
 }
 
-void print_gap(const std::string& path, const io::LogGap& gap) {
-  std::printf("%s: damaged: %" PRIu64 " bytes lost at offset %" PRIu64 "\n", path.c_str(), gap.size,
-              gap.offset);
+void print_gap(const io::LogGap& gap) {
+  std::printf("%s: damaged: %" PRIu64 " bytes lost at offset %" PRIu64 "\n", gap.log.c_str(),
+              gap.size, gap.offset);
 }
 
 /// Prints one line per finding.
 void print_findings(const std::string& path, const LogSurvey& survey) {
-  for (const io::LogGap& gap : survey.gaps) print_gap(path, gap);
+  for (const io::LogGap& gap : survey.gaps) print_gap(gap);
+  for (const std::string& note : survey.notes) std::printf("%s: %s\n", path.c_str(), note.c_str());
   for (const auto& [name, channel] : survey.channels) {
     const auto print = [&, &name = name](bool is_so, const std::string& words) {
       if (is_so) std::printf("%s: %s: %s\n", path.c_str(), name.c_str(), words.c_str());
@@ -250,19 +251,21 @@ int run_log_info(const LogOptions& options) {
 }
 
 int run_log_check(const LogOptions& options) {
-  const LogSurvey survey = survey_log(options.log_path);
+  const io::LogPaths logs(options.log_paths);
+  const std::string path = logs.text();
+  const LogSurvey survey = survey_log(logs);
   if (options.json) {
-    std::fputs(log_json(options.log_path, survey).c_str(), stdout);
+    std::fputs(log_json(path, survey).c_str(), stdout);
     return survey.sound() ? bus::kExitOk : bus::kExitInput;
   }
-  print_findings(options.log_path, survey);
+  print_findings(path, survey);
   if (survey.sound()) {
-    std::printf("%s: sound: %" PRId64 " messages\n", options.log_path.c_str(), survey.num_events);
+    std::printf("%s: sound: %" PRId64 " messages\n", path.c_str(), survey.num_events);
     return bus::kExitOk;
   }
   if (survey.knows_a_channel()) {
-    std::printf("%s: %" PRId64 " messages are valid; `orchard map` uses them\n",
-                options.log_path.c_str(), survey.num_events - survey.num_refused());
+    std::printf("%s: %" PRId64 " messages are valid; `orchard map` uses them\n", path.c_str(),
+                survey.num_events - survey.num_refused());
   }
   return bus::kExitInput;
 }
@@ -282,7 +285,7 @@ int run_log_repair(const LogOptions& options) {
       options.log_path, options.out_path,
       [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
   work.finish();
-  for (const io::LogGap& gap : read.gaps) print_gap(options.log_path, gap);
+  for (const io::LogGap& gap : read.gaps) print_gap(gap);
   std::printf("%s: recovered %" PRId64 " messages, lost %" PRIu64 " bytes in %zu places\n",
               options.out_path.c_str(), read.num_events, read.num_lost_bytes, read.gaps.size());
   return bus::kExitOk;

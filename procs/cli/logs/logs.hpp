@@ -40,7 +40,7 @@ struct ImportOptions {
 /// `orchard log info|check|config|repair LOG`.
 struct LogOptions {
   std::string log_path;
-  std::vector<std::string> log_paths;  ///< for info, instead: one log, or its parts
+  std::vector<std::string> log_paths;  ///< for info and check, instead: one log, or its parts
   std::string out_path;                ///< for repair
   bool json = false;                   ///< for info and check
   std::string process;  ///< for config: the rig of this process; empty: the common one

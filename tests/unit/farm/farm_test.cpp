@@ -7,6 +7,7 @@
 #include <string>
 
 #include "farm/cost_fit.hpp"
+#include "farm/drive_pieces.hpp"
 #include "farm/farm_tasks.hpp"
 
 namespace orchard::farm {
@@ -142,6 +143,46 @@ TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
                                  "each has a report of its own name";
   EXPECT_EQ(tasks[1].drives.size(), 3U);
   EXPECT_EQ(tasks[2].needs.size(), 1U);
+}
+
+std::string text_of(const std::vector<std::string>& files) {
+  std::string text;
+  for (const DrivePieces& drive : drives_of_files(files)) {
+    text += drive.name + " =";
+    for (const std::string& file : drive.files) text += " " + file;
+    if (!drive.missing.empty()) text += " without " + drive.missing;
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(DrivePieces, OfTheRecorderAreOneDrive) {
+  EXPECT_EQ(text_of({"a-001.lcm", "b-000.lcm", "a-000.lcm", "a-002.lcm"}),
+            "a = a-000.lcm a-001.lcm a-002.lcm\nb = b-000.lcm\n");
+  EXPECT_EQ(text_of({"a-1000.lcm", "a-999.lcm"}), "a = a-999.lcm a-1000.lcm without 0-998\n")
+      << "in order of numbers, not of letters";
+}
+
+TEST(DrivePieces, ThatAreMissingAreNamed) {
+  EXPECT_EQ(text_of({"a-003.lcm", "a-004.lcm", "a-006.lcm", "a-009.lcm"}),
+            "a = a-003.lcm a-004.lcm a-006.lcm a-009.lcm without 0-2, 5, 7-8\n");
+  EXPECT_EQ(text_of({"a.lcm.00", "a.lcm.02"}), "a = a.lcm.00 a.lcm.02 without 1\n");
+}
+
+TEST(DrivePieces, AreNotWhatOnlyLooksLikeThem) {
+  EXPECT_EQ(text_of({"north-20260430.lcm", "north-20260501.lcm"}),
+            "north-20260430 = north-20260430.lcm\nnorth-20260501 = north-20260501.lcm\n");
+  EXPECT_EQ(text_of({"row-7.lcm", "row-8.lcm", "a-007.lcm"}),
+            "a-007 = a-007.lcm\nrow-7 = row-7.lcm\nrow-8 = row-8.lcm\n");
+  EXPECT_EQ(text_of({"a.lcm", "a-000.lcm"}), "a = a.lcm\na = a-000.lcm\n");
+  EXPECT_EQ(text_of({"a.lcm.0", "a.lcm.00", "a.lcm"}), "a = a.lcm a.lcm.0 a.lcm.00\n")
+      << "no file is dropped";
+  EXPECT_EQ(text_of({"a.txt", ".lcm", "a.lcm.x", "a.lcm.123456789012"}), "");
+}
+
+TEST(DrivePieces, OfLcmLoggerAreOneDrive) {
+  EXPECT_EQ(text_of({"a.lcm.100", "a.lcm.99", "b.lcm"}),
+            "a = a.lcm.99 a.lcm.100 without 0-98\nb = b.lcm\n");
 }
 
 // The examples that NIST gives for SHA-256.

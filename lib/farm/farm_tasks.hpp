@@ -47,7 +47,7 @@ struct Drive {
 struct FarmSettings {
   bool any_place = false;     ///< drives begin in frames of their own
   double max_offset_m = 5.0;  ///< else: max distance between one tree's positions in two drives
-  std::string version;        ///< program version
+  std::string version;        ///< identity of the programs that make the results
   std::string publish_to;     ///< URL of the database of all blocks; empty if there is none
 };
 

@@ -516,6 +516,8 @@ void add_farm(CLI::App& app, Run& run) {
       "  orchard farm run out/farm\n"
       "  orchard farm run out/farm --profile slurm\n"
       "  orchard farm run out/farm && orchard farm publish out/farm\n"
+      "  orchard farm run out/farm --keep-version     (after an upgrade: makes only what is "
+      "missing)\n"
       "An unusable log is set aside with the reason, and the other logs are processed. After an\n"
       "interruption, run the command again to do the rest. Needs Snakemake (apt-get install\n"
       "snakemake). Exit code 1 if a step failed for another reason than its input.\n",
@@ -529,6 +531,8 @@ void add_farm(CLI::App& app, Run& run) {
                 "--cores", o.cores,
                 "max number of cores [all]; on a cluster: max number of steps submitted at once")
             ->check(CLI::PositiveNumber);
+        command.add_flag("--keep-version", o.keep_version,
+                         "keep the results of an older program or Snakefile, and add to them");
       });
   add_command<FarmStatusOptions>(
       *farm, run, "status",

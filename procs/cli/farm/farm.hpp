@@ -40,6 +40,7 @@ struct FarmRunOptions {
   std::string folder;
   std::string profile = "local";  ///< folder in profiles/
   int cores = 0;                  ///< 0: all cores of this machine, or the profile's number
+  bool keep_version = false;      ///< results of other programs or another Snakefile stay valid
 };
 
 /// Options of `orchard farm publish DIR`.

@@ -18,6 +18,7 @@
 #include "farm/drive_pieces.hpp"
 #include "farm/farm_tasks.hpp"
 #include "io/atomic_file.hpp"
+#include "io/companion.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/map/corrections_file.hpp"
@@ -31,6 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kBytesPerMb = 1e6;
+constexpr const char* kVersionFile = "work/version.txt";
 
 /// Cache of file digests by path, size and modification time, stored between runs.
 class DigestCache {
@@ -85,7 +87,6 @@ void require_name(const std::string& option, const std::string& name) {
 
 farm::FarmSettings read_settings(const std::string& path) {
   farm::FarmSettings settings;
-  settings.version = ORCHARD_VERSION;
   try {
     const YAML::Node node = YAML::LoadFile(path);
     for (const auto& entry : node) {
@@ -278,10 +279,29 @@ FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
   }
 }
 
+/// Digest of the bytes of all that makes a result: the programs that the steps call, and the steps.
+std::string FarmFolder::programs() const {
+  const std::string folder = io::program_folder() + "/";
+  return digest_of_files({folder + "orchard", folder + "orchard-maps", path("Snakefile")});
+}
+
+void FarmFolder::adopt_programs(bool keep_others) const {
+  if (keep_others && fs::exists(path(kVersionFile))) return;
+  io::write_file_atomically(path(kVersionFile), programs() + "\n");
+}
+
 FarmContent FarmFolder::read() const {
   FarmContent content;
   content.settings = read_settings(path("farm.yaml"));
   fs::create_directories(path("work"));
+  const std::string now = programs();
+  std::ifstream adopted(path(kVersionFile));
+  if (!std::getline(adopted, content.settings.version)) content.settings.version = now;
+  if (content.settings.version != now) {
+    content.notes.push_back(
+        "the programs or the Snakefile have changed since these results were made; `orchard farm "
+        "run` makes all of them anew, --keep-version keeps them and makes only what is missing");
+  }
   LogsReader(*this, content).read();
   return content;
 }

@@ -35,9 +35,15 @@ class FarmFolder {
   std::string path(const std::string& inside) const { return root_ + "/" + inside; }
 
   /// Reads the folder. Digests of unchanged logs (same size and time) are taken from a cache.
-  /// What is no drive, such as a name that cannot be used or a date that is none, gives a note.
-  /// Throws io::FileError for an invalid farm.yaml.
+  /// The version is that of the last adopt_programs(), whether or not the programs have changed
+  /// since, which gives a note. What is no drive, such as a name that cannot be used or a date that
+  /// is none, gives a note. Throws io::FileError for an invalid farm.yaml.
   FarmContent read() const;
+
+  /// Names results from now on by the programs of this installation and the farm's Snakefile: what
+  /// others have made is made anew. `keep_others`: only where none have been adopted yet. Throws
+  /// io::FileError.
+  void adopt_programs(bool keep_others) const;
 
   /// The steps required for `content`. Corrections by hand are inputs of the later dates.
   std::vector<farm::FarmTask> tasks_of(const FarmContent& content) const;
@@ -57,6 +63,7 @@ class FarmFolder {
   std::vector<farm::CostSample> costs(const std::vector<farm::FarmTask>& tasks) const;
 
  private:
+  std::string programs() const;
   std::string root_;
 };
 

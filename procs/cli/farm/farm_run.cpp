@@ -31,6 +31,7 @@
 #include "io/atomic_file.hpp"
 #include "io/companion.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/progress_bar.hpp"
 #include "text/number_text.hpp"
@@ -334,6 +335,12 @@ FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
   return state;
 }
 
+void print_notes(const char* command, const FarmContent& content) {
+  for (const std::string& note : content.notes) {
+    std::fprintf(stderr, "orchard farm %s: note: %s\n", command, note.c_str());
+  }
+}
+
 std::string cost_text(const char* what, const char* unit, const farm::CostLine& line) {
   return fmt::format("{}: {:.2f} {} + {:.2f} {} per km + {:.4f} {} per tree", what, line.at_least,
                      unit, line.per_km, unit, line.per_tree, unit);
@@ -404,9 +411,7 @@ int run_farm_status(const FarmStatusOptions& options) {
   const auto tasks = farm.tasks_of(content);
   farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
   std::fputs(status_text(farm, content, tasks, options.json).c_str(), stdout);
-  for (const std::string& note : content.notes) {
-    std::fprintf(stderr, "orchard farm status: note: %s\n", note.c_str());
-  }
+  print_notes("status", content);
   return bus::kExitOk;
 }
 
@@ -503,8 +508,10 @@ int run_farm_run(const FarmRunOptions& options) {
     throw io::FileError(farm.path(profile) + " has no config.yaml; choose a profile in " +
                         farm.path("profiles"));
   }
-  const FarmContent content = farm.read();
+  io::make_folder(farm.path("work"));
   const RunLock lock(farm);
+  farm.adopt_programs(options.keep_version);
+  const FarmContent content = farm.read();
   const auto tasks = farm.tasks_of(content);
   farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
   remove_unfinished(farm);
@@ -532,9 +539,7 @@ int run_farm_run(const FarmRunOptions& options) {
   const int num_left = num_open(farm, tasks);
   std::printf("%d steps made\n%s", num_to_make - num_left,
               status_text(farm, content, tasks, false).c_str());
-  for (const std::string& note : content.notes) {
-    std::fprintf(stderr, "orchard farm run: note: %s\n", note.c_str());
-  }
+  print_notes("run", content);
   if (num_left == 0) return bus::kExitOk;
   std::fprintf(stderr,
                "orchard farm run: %d steps have no result (exit code %d of snakemake); see the "
@@ -579,6 +584,7 @@ int run_farm_publish(const FarmPublishOptions& options) {
   std::printf("%d maps in %s, %d comparisons in %s, %d reports in %s\n", num_maps,
               farm.path("maps").c_str(), num_changes, farm.path("changes").c_str(), num_reports,
               farm.path("reports").c_str());
+  print_notes("publish", content);
   if (num_open > 0) {
     std::fprintf(
         stderr, "orchard farm publish: note: %d results do not exist yet; run `orchard farm run`\n",

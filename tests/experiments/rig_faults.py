@@ -40,9 +40,12 @@ def _events(data):
 
 
 def altered_log(source, target, alter):
+    """Writes the log with what alter(channel, data) makes of each message; None: the message is left out."""
     with open(target, "wb") as out:
         for (sync, number, utime), channel, data in _events(source.read_bytes()):
             data = alter(channel.decode(), data)
+            if data is None:
+                continue
             out.write(struct.pack(">IqqII", sync, number, utime, len(channel), len(data)) + channel + data)
 
 

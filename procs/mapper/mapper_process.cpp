@@ -39,18 +39,22 @@ constexpr std::size_t kGrowthParts = 8;
 bus::Writing MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   if (folder_.empty()) return {};
   // The first save writes all files while the map is still small, so that users find every file.
-  const bool is_live = request.kind != bus::SaveKind::kFinal && is_begun_;
+  const std::optional<std::size_t> before = num_poses_in_all();
+  const bool is_live = request.kind != bus::SaveKind::kFinal && before.has_value();
   const bool is_quick = request.kind == bus::SaveKind::kQuick ||
                         mapper.num_landmarks() > kDrawnLiveMax ||
-                        mapper.num_poses() < num_poses_in_all_ + num_poses_in_all_ / kGrowthParts;
+                        mapper.num_poses() < before.value_or(0) + before.value_or(0) / kGrowthParts;
   if (is_live && is_quick) {
     if (num_passed_over_++ < mapper.num_landmarks() / kSavedEachTime) return {};
     num_passed_over_ = 0;
     return save_table(mapper.finished_landmarks());
   }
-  is_begun_ = true;
-  num_poses_in_all_ = mapper.num_poses();
   return save_folder(mapper, request.traffic);
+}
+
+std::optional<std::size_t> MapSaver::num_poses_in_all() const {
+  const std::lock_guard lock(saved_->writing);
+  return saved_->num_poses_in_all;
 }
 
 void MapSaver::begin_new_map() {
@@ -59,8 +63,6 @@ void MapSaver::begin_new_map() {
     saved_->is_over = true;
   }
   saved_ = std::make_shared<Saved>();
-  is_begun_ = false;
-  num_poses_in_all_ = 0;
   num_passed_over_ = 0;
 }
 
@@ -93,7 +95,7 @@ bus::Writing MapSaver::save_folder(const MapperNode& mapper,
     content->summary.first_utime = content->trajectory.front().utime;
     content->summary.last_utime = content->trajectory.back().utime;
   }
-  return [folder = folder_, content, saved = saved_]() mutable {
+  return [folder = folder_, content, saved = saved_, num_poses = mapper.num_poses()]() mutable {
     const std::lock_guard lock(saved->writing);
     if (saved->is_over) return;
     std::error_code ignored;  // the write below reports it
@@ -102,6 +104,7 @@ bus::Writing MapSaver::save_folder(const MapperNode& mapper,
     write_table(folder, table, *saved);
     io::write_map_folder(folder, *content);
     saved->table = std::move(table);
+    saved->num_poses_in_all = num_poses;
     // The content of a long drive takes tens of megabytes, which the allocator would keep.
     content.reset();
     ::malloc_trim(0);

@@ -49,8 +49,11 @@ class MapSaver {
     std::mutex writing;
     std::string table;     ///< content of map.csv in the folder; empty: unknown
     bool is_over = false;  ///< another map has begun
+    std::optional<std::size_t> num_poses_in_all;  ///< in the whole folder; none: not yet written
   };
   static void write_table(const std::string& folder, std::string table, Saved& saved);
+  /// Number of poses in the whole folder as last written; none: it was not.
+  std::optional<std::size_t> num_poses_in_all() const;
   bus::Writing save_table(const std::vector<mapping::Landmark>& landmarks) const;
   bus::Writing save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) const;
 
@@ -58,9 +61,7 @@ class MapSaver {
   std::int64_t config_hash_;
   std::vector<std::string> notes_;
   std::shared_ptr<Saved> saved_ = std::make_shared<Saved>();
-  bool is_begun_ = false;             ///< the whole folder was saved
-  std::size_t num_poses_in_all_ = 0;  ///< when the whole folder was saved last
-  std::size_t num_passed_over_ = 0;   ///< saves of map.csv since the last
+  std::size_t num_passed_over_ = 0;  ///< saves of map.csv since the last
 };
 
 /// A mapper that can resume its map after a restart: beside the map it keeps a journal of all its

@@ -17,6 +17,7 @@
 #include <string>
 
 #include "bus/messages/codec.hpp"
+#include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/stored_map.hpp"
 #include "node/mapper/row_drive.hpp"
@@ -374,6 +375,16 @@ TEST_F(MapSaverTest, FullOnesWriteAllOnceTheDriveHasGrownByAnEighth) {
   see_trees(mapper, 89, 2);
   write(saver.save(mapper, request(bus::SaveKind::kFull)));
   EXPECT_TRUE(exists("map.png")) << "10 of 80 poses more";
+}
+
+TEST_F(MapSaverTest, AFullOneThatCouldNotBeWrittenIsWrittenAgain) {
+  for (int seq = 5; seq < 80; ++seq) see_trees(mapper, seq, 2);
+  remove("map.html");
+  std::filesystem::create_directories(folder / "map.html/in_the_way");
+  EXPECT_THROW(write(saver.save(mapper, request(bus::SaveKind::kFull))), io::FileError);
+  std::filesystem::remove_all(folder / "map.html");
+  write(saver.save(mapper, request(bus::SaveKind::kFull)));
+  EXPECT_TRUE(exists("map.html")) << "although the drive has not grown";
 }
 
 TEST_F(MapSaverTest, AWritingShowsTheMapFromWhichItWasTaken) {

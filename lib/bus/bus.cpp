@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "bus/network.hpp"
 #include "bus/socket_guard.hpp"
 
 namespace orchard::bus {
@@ -62,6 +63,8 @@ struct Bus::Impl {
   };
 
   std::string url;
+  std::string robot;                            // empty: none
+  std::array<std::string, kNumChannels> names;  // of the channels on the wire
   std::optional<SocketGuard> guard;
   std::vector<std::string> heard;  // names of the subscribed channels
   bool hears_all = false;
@@ -75,6 +78,18 @@ struct Bus::Impl {
 
   ~Impl() {
     if (lcm != nullptr) lcm_destroy(lcm);
+  }
+
+  void name_channels(const std::string& its_robot) {
+    robot = its_robot;
+    for (const ChannelInfo& channel : kChannels) {
+      names[static_cast<std::size_t>(channel.channel)] =
+          (robot.empty() ? "" : robot + "/") + std::string(channel.name);
+    }
+  }
+
+  const std::string& name_of(Channel channel) const {
+    return names[static_cast<std::size_t>(channel)];
   }
 
   bool is_private() const { return url.compare(0, 7, "memq://") == 0; }
@@ -128,10 +143,18 @@ struct Bus::Impl {
     Impl& bus = *static_cast<Impl*>(context);
     try {
       const Bytes bytes{static_cast<const std::uint8_t*>(buffer->data), buffer->data_size};
-      bus.raw_handler(channel, buffer->recv_utime, bytes);
+      bus.handle_raw(channel, buffer->recv_utime, bytes);
     } catch (...) {
       if (!bus.pending) bus.pending = std::current_exception();
     }
+  }
+
+  /// Without a robot of its own a recorder takes the names as they are, those of all robots.
+  void handle_raw(const std::string& name, std::int64_t receipt_utime, Bytes bytes) {
+    if (robot.empty()) return raw_handler(name, receipt_utime, bytes);
+    const RobotChannel channel = split_robot(name);
+    if (channel.robot != robot && find_channel(channel.name)) return;
+    raw_handler(std::string(channel.name), receipt_utime, bytes);
   }
 
   void subscribe_raw(std::function<void(const std::string&, std::int64_t, Bytes)> handler) {
@@ -175,9 +198,8 @@ struct Bus::Impl {
       return {};
     };
     std::string name;  // LCM takes a regular expression, so dots are escaped
-    for (const char c : info(channel).name)
-      name += c == '.' ? std::string("\\.") : std::string(1, c);
-    heard.emplace_back(info(channel).name);
+    for (const char c : name_of(channel)) name += c == '.' ? std::string("\\.") : std::string(1, c);
+    heard.push_back(name_of(channel));
     listen_to_subscribed();
     open_subscription(name, &Impl::on_message, subscription.get(),
                       channel == Channel::kImage ? kImageQueue : kInputQueue);
@@ -191,7 +213,14 @@ Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
     throw BusError("LCM URL \"" + url +
                    "\": must begin with udpm://; to replay a log use orchard-log-player");
   }
-  impl_->lcm = lcm_create(url.c_str());
+  Network network;
+  try {
+    network = parse_network(url);
+  } catch (const std::invalid_argument& error) {
+    throw BusError(error.what());
+  }
+  impl_->name_channels(network.robot);
+  impl_->lcm = lcm_create(network.lcm_url.c_str());
   if (impl_->lcm == nullptr) {
     throw BusError("LCM cannot use " + url +
                    ": check its address and port, and the multicast route with \"orchard doctor\" "
@@ -238,8 +267,7 @@ void Bus::on_rejection(std::function<void(Channel, const Rejection&)> handler) {
 
 bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
   if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
-  // info().name points into a string literal, so it is null-terminated.
-  const int result = lcm_publish(impl_->lcm, info(channel).name.data(), bytes.data(),
+  const int result = lcm_publish(impl_->lcm, impl_->name_of(channel).c_str(), bytes.data(),
                                  static_cast<unsigned>(bytes.size()));
   ++(result == 0 ? impl_->counts.num_published : impl_->counts.num_unsent);
   return result == 0;

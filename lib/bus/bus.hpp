@@ -44,7 +44,9 @@ struct BusCounts {
 /// C frames have returned.
 class Bus {
  public:
-  /// Opens a "udpm://..." or "memq://" URL. Throws BusError with a hint.
+  /// Opens a "udpm://..." or "memq://" URL. With its parameter `robot=NAME` (network.hpp) every
+  /// channel is NAME/CHANNEL on the wire, so that several robots can share a network. Throws
+  /// BusError with a hint.
   explicit Bus(const std::string& url);
   ~Bus();
   Bus(const Bus&) = delete;
@@ -64,7 +66,8 @@ class Bus {
   void subscribe_replay(std::function<void(const ReplayMark&)> handler);
 
   /// Subscribes to every message of every channel, known or unknown, without decoding or checks.
-  /// For recorders only; must be the first subscription (BusError otherwise).
+  /// On a URL with a robot: its channels, by their names without it, and unknown ones, but not the
+  /// known ones of others. For recorders only; must be the first subscription (BusError otherwise).
   /// `receipt_utime`: host time of day at which LCM received the message [us].
   void subscribe_raw(
       std::function<void(const std::string& channel, std::int64_t receipt_utime, Bytes)> handler);

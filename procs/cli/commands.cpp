@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 
+#include "bus/node/process_options.hpp"
 #include "cli/add_command.hpp"
 #include "cli/field/field.hpp"
 #include "cli/logs/logs.hpp"
@@ -159,10 +160,9 @@ void add_rig(CLI::App& command, std::string& config_path) {
   add_value(command, "--config", config_path, "FILE", "rig to use instead of the one in the log");
 }
 
-void add_network(CLI::App& command, std::string& lcm_url, std::string& config_path) {
-  add_value(command, "--lcm-url", lcm_url, "URL",
-            "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]");
-  add_value(command, "--config", config_path, "FILE", "rig whose LCM network is used");
+void add_network(CLI::App& command, FieldOptions& o) {
+  bus::add_network_options(command, o);
+  add_value(command, "--config", o.config_path, "FILE", "rig whose LCM network is used");
 }
 
 void add_live(CLI::App& app, Run& run) {
@@ -174,6 +174,7 @@ void add_live(CLI::App& app, Run& run) {
       "devices)\n"
       "  orchard live my_robot.yaml --only drivers                   (on the sensors' machine)\n"
       "  orchard live my_robot.yaml --without drivers                (on the mapping machine)\n"
+      "  orchard live my_robot.yaml --robot koala                    (one of several robots)\n"
       "Starts and watches the drivers of the rig, detector, pose, mapper and viewer. A failed\n"
       "process is restarted. Output: the map in DIR, the output of each process in DIR/logs.\n",
       run_live, [](CLI::App& command, LiveOptions& o) {
@@ -201,8 +202,7 @@ void add_live(CLI::App& app, Run& run) {
             .add_option("--speed", o.speed,
                         "speed of the simulated drive, as a multiple of real time")
             ->capture_default_str();
-        add_value(command, "--lcm-url", o.lcm_url, "URL",
-                  "URL of the LCM network [lcm.url of the rig]");
+        bus::add_network_options(command, o);
       });
 }
 
@@ -215,7 +215,7 @@ void add_status(CLI::App& app, Run& run) {
       "code of --once and --json: 1 if no process reports, or one is silent, has a warning, an\n"
       "error or a wrong clock.\n",
       run_status, [](CLI::App& command, StatusOptions& o) {
-        add_network(command, o.lcm_url, o.config_path);
+        add_network(command, o);
         command.add_flag("--once", o.once, "listen for 2.5 s, print the status once and exit");
         command.add_flag("--json", o.json, "listen for 2.5 s, print the status as JSON and exit");
       });
@@ -246,7 +246,7 @@ void add_record(CLI::App& app, Run& run) {
                         "pause the recording, with a warning, while less disk space is free [GB]")
             ->check(CLI::NonNegativeNumber)
             ->capture_default_str();
-        add_network(command, o.lcm_url, o.config_path);
+        add_network(command, o);
       });
 }
 
@@ -396,6 +396,17 @@ void add_log(CLI::App& app, Run& run) {
                             add_path(command, o);
                             add_required(command, "--out", o.out_path, "LOG", "log to write");
                           });
+  add_command<LogOptions>(
+      *log, run, "split", "Write one log for each robot of a log of several",
+      "  orchard log split base_station.lcm --out drives     (drives/koala.lcm, drives/heron.lcm)\n"
+      "A log of a network of several robots, as lcm-logger records it, has channels such as\n"
+      "koala/SCAN. Each robot's log has them under their own names; what belongs to none is in\n"
+      "unnamed.lcm.\n",
+      run_log_split, [](CLI::App& command, LogOptions& o) {
+        add_required(command, "log", o.log_paths, "LOG...",
+                     "log to read, or the parts of a split log");
+        add_required(command, "--out", o.out_path, "DIR", "folder of the logs");
+      });
   add_command<LogMcapOptions>(
       *log, run, "mcap", "Convert a log to MCAP, for Foxglove and Lichtblick",
       "  orchard log mcap drive.lcm --map out/drive --out drive.mcap\n"
@@ -447,7 +458,7 @@ void add_echo(CLI::App& app, Run& run) {
         command.add_flag("--json", o.json, "print one JSON object per message");
         add_value(command, "--count", o.count, "N", "stop after this many messages; 0 = at Ctrl-C")
             ->check(CLI::NonNegativeNumber);
-        add_network(command, o.lcm_url, o.config_path);
+        add_network(command, o);
       });
 }
 
@@ -481,7 +492,7 @@ void add_doctor(CLI::App& app, Run& run) {
       "Tests routes, buffers, firewall and a message to itself, and lists the running processes\n"
       "of Orchard Mapper and clocks that differ. Exit code 1 if messages cannot get through.\n",
       run_doctor, [](CLI::App& command, DoctorOptions& o) {
-        add_network(command, o.lcm_url, o.config_path);
+        add_network(command, o);
         command.add_flag("--json", o.json, "print JSON");
       });
 }

@@ -119,7 +119,7 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   } else if (!bus::load_config(kName, config_path, options.rig)) {
     return bus::kExitInput;
   }
-  bus::choose_url(common.lcm_url, !config_path.empty(), options.rig.lcm());
+  bus::choose_url(common, !config_path.empty(), options.rig.lcm());
   if (common.print_config) {
     std::cout << options.rig.print(common.print_all ? io::PrintedKeys::kAll
                                                     : io::PrintedKeys::kUser);

@@ -39,8 +39,9 @@ std::string empty_page(const std::string& mode, const std::string& title,
   return view::page_html("Orchard: " + title, json, view::PageSource::kServer);
 }
 
-LivePage::LivePage(SharedLiveState& box, MapEditor* editor, const std::string& version)
-    : box_(box), editor_(editor), page_(empty_page("live", "Live", version, editor != nullptr)) {}
+LivePage::LivePage(SharedLiveState& box, MapEditor* editor, const std::string& title,
+                   const std::string& version)
+    : box_(box), editor_(editor), page_(empty_page("live", title, version, editor != nullptr)) {}
 
 std::optional<PageAnswer> LivePage::get(const std::string& name, const Parameters&) {
   if (name != "picture") return std::nullopt;

@@ -77,7 +77,8 @@ class LivePage : public PageContent {
  public:
   /// `editor`: editor of the mapper's folder; null: the page is read-only. `box` and `editor` must
   /// outlive this.
-  LivePage(SharedLiveState& box, MapEditor* editor, const std::string& version);
+  LivePage(SharedLiveState& box, MapEditor* editor, const std::string& title,
+           const std::string& version);
 
   std::string page() const override { return page_; }
   std::vector<std::string> events_for(view::ViewerProgress& seen, bool& is_more) const override {

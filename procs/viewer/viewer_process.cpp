@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bus/messages/service_messages.hpp"
+#include "bus/network.hpp"
 #include "bus/node/node.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
@@ -124,7 +125,9 @@ std::unique_ptr<bus::Node> ViewerProcess::make_node(const io::Config& config,
   if (!options.edit_folder.empty()) editor_ = std::make_unique<MapEditor>(options.edit_folder);
   const detection::Rig rig(config.laser, config.camera, config.detector);
   box_ = std::make_unique<SharedLiveState>(view::LiveState(rig, config.mapper.min_observations));
-  page_ = std::make_unique<LivePage>(*box_, editor_.get(), std::string(bus::version()));
+  const std::string robot = bus::parse_network(config.lcm.url).robot;
+  page_ = std::make_unique<LivePage>(*box_, editor_.get(), robot.empty() ? "Live" : robot,
+                                     std::string(bus::version()));
   server_ = std::make_unique<PageServer>(*page_, server);
   if (config.mapper.rows.enabled || editor_) {
     survey_ = std::make_unique<RowSurvey>(*box_, config.mapper.rows, editor_.get());

@@ -166,7 +166,7 @@ void LiveNode::require_single_instance() const {
   if (!alone_ || now - start_ > kGiveWay) return;
   if (!peers_.duplicate_is_older(report_.num_sent(), now)) return;
   throw std::runtime_error(peers_.duplicate(now) + " is already running on " + bus_.url() +
-                           ": stop it first, or set another lcm.url for this process");
+                           ": stop it first, or give each robot a name with --robot");
 }
 
 void LiveNode::report() {

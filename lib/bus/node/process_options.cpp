@@ -17,11 +17,23 @@ constexpr const char* kFooter =
 
 }  // namespace
 
-void add_common_options(CLI::App& app, CommonOptions& options) {
+void add_network_options(CLI::App& app, NetworkOptions& options) {
   app.add_option(
          "--lcm-url", options.lcm_url,
          "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
       ->option_text("URL");
+  const auto check_name = [](const std::string& name) -> std::string {
+    return is_robot_name(name) ? "" : name + ": must be 1 to 32 letters, digits, - or _";
+  };
+  app.add_option("--robot", options.robot,
+                 "name of the robot, on a network of several: its channels are NAME/SCAN and so on "
+                 "[robot=NAME of the URL, else none]")
+      ->option_text("NAME")
+      ->check(check_name);
+}
+
+void add_common_options(CLI::App& app, CommonOptions& options) {
+  add_network_options(app, options);
   app.add_option(
          "--log-level", options.log_level,
          "lowest level of log lines to print: trace, debug, info, warning, error or off [info]")
@@ -46,11 +58,11 @@ std::string full_process_name(const std::string& name) {
   return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
 }
 
-const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm) {
+const char* choose_url(const NetworkOptions& given, bool has_rig, io::LcmConfig& lcm) {
   const char* environment = std::getenv("LCM_DEFAULT_URL");
   const char* why = "the default";
-  if (!lcm_url.empty()) {
-    lcm.url = lcm_url;
+  if (!given.lcm_url.empty()) {
+    lcm.url = given.lcm_url;
     why = "--lcm-url";
   } else if (has_rig) {
     why = "the rig";
@@ -58,6 +70,7 @@ const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& 
     lcm.url = environment;
     why = "LCM_DEFAULT_URL";
   }
+  lcm.url = with_robot(lcm.url, given.robot);
   spdlog::debug("LCM: {} ({})", lcm.url, why);
   return why;
 }
@@ -125,7 +138,7 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   } else if (!load_config(info.name, config_path, config)) {
     return kExitInput;
   }
-  choose_url(common.lcm_url, !config_path.empty(), config.lcm());
+  choose_url(common, !config_path.empty(), config.lcm());
   if (common.print_config) {
     std::cout << config.print(common.print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;

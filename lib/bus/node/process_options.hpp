@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/network.hpp"
 #include "bus/node/node.hpp"
 #include "io/config/config_file.hpp"
 
@@ -61,14 +62,16 @@ using Writing = std::function<void()>;
 using SaveHook = std::function<Writing(Node& node, const SaveRequest& request)>;
 
 /// Options of the command line that every process has.
-struct CommonOptions {
-  std::string lcm_url;  ///< empty: not given
+struct CommonOptions : NetworkOptions {
   std::string log_level = "info";
   bool print_config = false;
   bool print_all = false;  ///< with print_config: the expert keys, too
 };
 
-/// Adds --lcm-url, --log-level, --print-config and --all.
+/// Adds --lcm-url and --robot.
+void add_network_options(CLI::App& app, NetworkOptions& options);
+
+/// Adds those, --log-level, --print-config and --all.
 void add_common_options(CLI::App& app, CommonOptions& options);
 
 /// Sends log lines of at least this level to stderr, each with the program's name; stdout is
@@ -97,8 +100,9 @@ struct ProcessOptions {
 std::string_view version();
 
 /// Selects the LCM network: --lcm-url if given, else the rig's URL, else LCM_DEFAULT_URL, else the
-/// built-in default. Returns the origin of the URL in words.
-const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm);
+/// built-in default; with --robot the channels of that robot on it. Returns the origin of the URL
+/// in words.
+const char* choose_url(const NetworkOptions& given, bool has_rig, io::LcmConfig& lcm);
 
 /// Loads the rig at `path` (empty: keeps the defaults), logs the reader's warnings and prints its
 /// errors. Returns false when the rig is invalid.

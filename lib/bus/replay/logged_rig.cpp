@@ -8,6 +8,7 @@
 
 #include "bus/messages/channel.hpp"
 #include "bus/messages/service_messages.hpp"
+#include "bus/network.hpp"
 #include "io/config/config_difference.hpp"
 #include "io/config/config_file.hpp"
 #include "io/file_error.hpp"
@@ -39,6 +40,7 @@ std::vector<LoggedRig> read_logged_rigs(const io::LogPaths& logs) {
   std::vector<LoggedRig> rigs;
   io::LogSeries reader(logs);
   while (const auto event = reader.next()) {
+    require_no_robot(event->channel, logs.text());
     if (event->channel != channel) continue;
     auto decoded = decode_config(event->data.data(), event->data.size());
     auto* notice = std::get_if<ConfigNotice>(&decoded);

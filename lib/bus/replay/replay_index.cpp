@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "bus/network.hpp"
 #include "bus/node/gated.hpp"
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
@@ -310,6 +311,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
     const std::optional<Channel> channel = find_channel(event->channel);
     if (!channel) {
       ++report.num_unknown_channel;
+      require_no_robot(event->channel, log_path);
       if (is_second_sensor(event->channel) && second_sensors.size() < 20) {
         second_sensors.insert(event->channel);
       }

@@ -18,12 +18,13 @@
 
 namespace orchard::cli {
 
-std::string field_url(const std::string& lcm_url, const std::string& config_path) {
+std::string field_url(const FieldOptions& options) {
   io::LcmConfig lcm;
-  const bool has_rig = !config_path.empty() && lcm_url.empty();
-  if (has_rig) lcm = io::load_config(config_path).lcm;
-  const char* why = bus::choose_url(lcm_url, has_rig, lcm);
-  std::fprintf(stderr, "LCM: %s (%s)\n", lcm.url.c_str(), has_rig ? config_path.c_str() : why);
+  const bool has_rig = !options.config_path.empty() && options.lcm_url.empty();
+  if (has_rig) lcm = io::load_config(options.config_path).lcm;
+  const char* why = bus::choose_url(options, has_rig, lcm);
+  std::fprintf(stderr, "LCM: %s (%s)\n", lcm.url.c_str(),
+               has_rig ? options.config_path.c_str() : why);
   return lcm.url;
 }
 
@@ -56,7 +57,7 @@ bus::Status status_of(const io::LogRecorder& recorder, std::int64_t num_kept_off
 }  // namespace
 
 int run_record(const RecordOptions& options) {
-  const std::string url = field_url(options.lcm_url, options.config_path);
+  const std::string url = field_url(options);
   bus::StopSignal stop;
   bus::Bus bus(url);
   io::RecordingLimits limits;
@@ -107,7 +108,7 @@ constexpr std::chrono::milliseconds kListen{2500};
 }  // namespace
 
 int run_status(const StatusOptions& options) {
-  const std::string url = field_url(options.lcm_url, options.config_path);
+  const std::string url = field_url(options);
   bus::StopSignal stop;
   bus::Bus bus(url);
   StatusBoard board(bus::machine_name());

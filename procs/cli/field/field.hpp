@@ -5,11 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "bus/network.hpp"
+
 namespace orchard::cli {
 
+/// Options of a command that uses the LCM network.
+struct FieldOptions : bus::NetworkOptions {
+  std::string config_path;  ///< of the rig; empty: none
+};
+
 /// Selects the LCM network: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the
-/// built-in one. Prints the choice and its reason on standard error. Throws io::ConfigError.
-std::string field_url(const std::string& lcm_url, const std::string& config_path);
+/// built-in one; with --robot the channels of that robot. Prints the choice and its reason on
+/// standard error. Throws io::ConfigError.
+std::string field_url(const FieldOptions& options);
 
 /// The local time now as a name for files and folders: "20261122-143005".
 inline std::string start_time_text() {
@@ -22,10 +30,8 @@ inline std::string start_time_text() {
 }
 
 /// Command-line options of `orchard live`.
-struct LiveOptions {
-  std::string config_path;
-  std::string lcm_url;
-  std::string out_folder;         ///< map folder; empty: out/live/DATE
+struct LiveOptions : FieldOptions {
+  std::string out_folder;         ///< map folder; empty: out/live/DATE, or ROBOT-DATE
   std::string record_folder;      ///< empty: no recording
   std::vector<std::string> only;  ///< processes by name, with or without "orchard-"; "drivers"
   std::vector<std::string> without;
@@ -42,9 +48,7 @@ struct LiveOptions {
 /// error.
 [[gnu::weak]] int run_live(const LiveOptions& options);
 
-struct RecordOptions {
-  std::string lcm_url;
-  std::string config_path;
+struct RecordOptions : FieldOptions {
   std::string folder = "out/recordings";
   std::string name = "drive";
   double split_mb = 500.0;
@@ -55,9 +59,7 @@ struct RecordOptions {
 /// Records every channel until Ctrl-C and sends STATUS as orchard-recorder.
 [[gnu::weak]] int run_record(const RecordOptions& options);
 
-struct StatusOptions {
-  std::string lcm_url;
-  std::string config_path;
+struct StatusOptions : FieldOptions {
   bool once = false;
   bool json = false;
 };

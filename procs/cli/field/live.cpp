@@ -284,9 +284,7 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
     plan.stage = stage;
     plan.log_path = options.out_folder + "/logs/" + name + ".log";
     plan.arguments = {program_folder + "/" + name, "--config", options.config_path};
-    if (!options.lcm_url.empty()) {
-      plan.arguments.insert(plan.arguments.end(), {"--lcm-url", options.lcm_url});
-    }
+    plan.arguments.insert(plan.arguments.end(), {"--lcm-url", options.lcm_url});
     plan.arguments.insert(plan.arguments.end(), more.begin(), more.end());
     plans.push_back(std::move(plan));
   };
@@ -296,6 +294,7 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
     words.front() = program_folder + "/orchard";
     words.insert(words.begin() + 1, "record");
     words.insert(words.end(), {"--out", options.record_folder});
+    if (!options.robot.empty()) words.insert(words.end(), {"--name", options.robot});
   }
   add("orchard-mapper", kMapper, {"--out", options.out_folder});
   add("orchard-pose", kPose);
@@ -489,14 +488,18 @@ std::string viewer_address() {
 int run_live(const LiveOptions& given) {
   LiveOptions options = given;
   const io::Config config = io::load_config(options.config_path);
-  if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
+  options.lcm_url = field_url(options);
+  options.robot = bus::parse_network(options.lcm_url).robot;
+  if (options.out_folder.empty()) {
+    options.out_folder =
+        "out/live/" + (options.robot.empty() ? "" : options.robot + "-") + start_time_text();
+  }
   options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, io::program_folder());
   io::make_folder(options.out_folder + "/logs", "choose another folder with --out");
-  const std::string url = field_url(options.lcm_url, options.config_path);
 
   bus::StopSignal stop;
-  bus::Bus bus(url);
+  bus::Bus bus(options.lcm_url);
   StatusBoard board(bus::machine_name());
   bus.subscribe_status(
       [&board](const bus::Status& status) { board.note(status, bus::wall_utime()); });

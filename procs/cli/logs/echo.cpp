@@ -200,7 +200,7 @@ int run_echo(const EchoOptions& options) {
     return bus::kExitUsage;
   }
   try {
-    echo(*channel, options, field_url(options.lcm_url, options.config_path));
+    echo(*channel, options, field_url(options));
     return bus::kExitOk;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "orchard echo: %s\n", error.what());

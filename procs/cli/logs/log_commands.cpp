@@ -1,25 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/logs/logs.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "bus/messages/codec.hpp"
+#include "bus/network.hpp"
 #include "bus/node/sequence_gate.hpp"
 #include "bus/process/process.hpp"
 #include "bus/replay/logged_rig.hpp"
 #include "cli/interruptible_work.hpp"
 #include "cli/paths.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/progress_bar.hpp"
@@ -102,6 +107,16 @@ struct LogSurvey {
   bool sound() const { return gaps.empty() && num_refused() == 0 && knows_a_channel(); }
 };
 
+/// Which robots' channels the log has; empty: none with a name.
+std::string robots_note(const LogSurvey& survey) {
+  std::set<std::string_view> robots;
+  for (const auto& [name, channel] : survey.channels) robots.insert(bus::split_robot(name).robot);
+  robots.erase("");
+  if (robots.empty()) return {};
+  return fmt::format("channels of the robots {}: `orchard log split` writes a log for each",
+                     fmt::join(robots, ", "));
+}
+
 /// Reads a whole log, or its parts as one log. Throws io::FileError when it cannot be opened or has
 /// no events.
 LogSurvey survey_log(const io::LogPaths& logs) {
@@ -131,6 +146,7 @@ LogSurvey survey_log(const io::LogPaths& logs) {
   }
   survey.gaps = reader.gaps();
   survey.notes = reader.notes();
+  if (const std::string note = robots_note(survey); !note.empty()) survey.notes.push_back(note);
   if (survey.num_events == 0) {
     throw io::FileError(
         path + (survey.file_size == 0
@@ -288,6 +304,67 @@ int run_log_repair(const LogOptions& options) {
   for (const io::LogGap& gap : read.gaps) print_gap(gap);
   std::printf("%s: recovered %" PRId64 " messages, lost %" PRIu64 " bytes in %zu places\n",
               options.out_path.c_str(), read.num_events, read.num_lost_bytes, read.gaps.size());
+  return bus::kExitOk;
+}
+
+namespace {
+
+/// The logs of the robots of one log, each made when its first message comes.
+class RobotLogs {
+ public:
+  explicit RobotLogs(std::string folder) : folder_(std::move(folder)) {}
+
+  void write(const io::LogEvent& event) {
+    const bus::RobotChannel channel = bus::split_robot(event.channel);
+    Part& part = parts_[std::string(channel.robot)];
+    if (!part.log) part.log = std::make_unique<io::LogWriter>(path_of(channel.robot));
+    part.log->write(event.timestamp_us, channel.name, event.data);
+    ++part.num_messages;
+  }
+
+  bool has_robots() const { return !parts_.empty() && !parts_.rbegin()->first.empty(); }
+
+  void close() {
+    for (auto& [robot, part] : parts_) {
+      part.log->close();
+      std::printf("%s: %" PRId64 " messages\n", path_of(robot).c_str(), part.num_messages);
+    }
+  }
+
+ private:
+  struct Part {
+    std::unique_ptr<io::LogWriter> log;
+    std::int64_t num_messages = 0;
+  };
+
+  std::string path_of(std::string_view robot) const {
+    return folder_ + "/" + (robot.empty() ? "unnamed" : std::string(robot)) + ".lcm";
+  }
+
+  std::string folder_;
+  std::map<std::string, Part> parts_;
+};
+
+}  // namespace
+
+int run_log_split(const LogOptions& options) {
+  io::LogSeries reader{io::LogPaths(options.log_paths)};
+  io::make_folder(options.out_path);
+  InterruptibleWork work("splitting");
+  RobotLogs logs(options.out_path);
+  while (const auto event = reader.next()) {
+    logs.write(*event);
+    work.update(reader.position(), reader.file_size());
+  }
+  work.finish();
+  if (!logs.has_robots()) {
+    throw io::FileError(
+        io::LogPaths(options.log_paths).text() +
+        ": has no channel with a robot's name, such as koala/SCAN; use it as it is");
+  }
+  for (const io::LogGap& gap : reader.gaps()) print_gap(gap);
+  for (const std::string& note : reader.notes()) std::printf("%s\n", note.c_str());
+  logs.close();
   return bus::kExitOk;
 }
 

@@ -5,17 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "cli/field/field.hpp"
 #include "evaluation/map_alignment.hpp"
 #include "evaluation/trajectory_evaluation.hpp"
 
 namespace orchard::cli {
 
-struct EchoOptions {
-  std::string channel;      ///< such as SCAN
-  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
-  std::string config_path;  ///< of the rig; empty: none
-  bool json = false;        ///< one JSON object per line instead of text
-  std::int64_t count = 0;   ///< ends after this many messages; 0: at Ctrl-C
+struct EchoOptions : FieldOptions {
+  std::string channel;     ///< such as SCAN
+  bool json = false;       ///< one JSON object per line instead of text
+  std::int64_t count = 0;  ///< ends after this many messages; 0: at Ctrl-C
 };
 
 /// Prints the messages of a channel, one line each, until stopped. Text shortens arrays longer than
@@ -37,11 +36,11 @@ struct ImportOptions {
 /// Converts a recording to an LCM log; returns the exit code. Throws io::FileError.
 [[gnu::weak]] int run_import(const ImportOptions& options);
 
-/// `orchard log info|check|config|repair LOG`.
+/// `orchard log info|check|config|repair|split LOG`.
 struct LogOptions {
   std::string log_path;
-  std::vector<std::string> log_paths;  ///< for info and check, instead: one log, or its parts
-  std::string out_path;                ///< for repair
+  std::vector<std::string> log_paths;  ///< for info, check, split instead: one log, or its parts
+  std::string out_path;                ///< for repair; for split a folder
   bool json = false;                   ///< for info and check
   std::string process;  ///< for config: the rig of this process; empty: the common one
 };
@@ -57,6 +56,10 @@ struct LogOptions {
 
 /// Writes a new log with all readable messages. Refuses to overwrite the old one.
 [[gnu::weak]] int run_log_repair(const LogOptions& options);
+
+/// Writes a log for each robot of a log that holds several, ROBOT.lcm with the channels' own names,
+/// and unnamed.lcm with the rest. Refuses a log without a robot's name.
+[[gnu::weak]] int run_log_split(const LogOptions& options);
 
 /// `orchard log mcap LOG... --out FILE`.
 struct LogMcapOptions {
@@ -90,9 +93,7 @@ struct SimulateOptions {
 /// own `camera` is the truth; there is no map, so --truth and --poses are rejected.
 [[gnu::weak]] int run_simulate_board(const SimulateOptions& options);
 
-struct DoctorOptions {
-  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
-  std::string config_path;  ///< of the rig; empty: none
+struct DoctorOptions : FieldOptions {
   bool json = false;
 };
 

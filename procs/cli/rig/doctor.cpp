@@ -451,8 +451,8 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
 }  // namespace
 
 int run_doctor(const DoctorOptions& options) {
-  const std::string lcm_url = field_url(options.lcm_url, options.config_path);
-  const std::optional<UdpmUrl> url = parse_udpm_url(lcm_url);
+  const std::string lcm_url = field_url(options);
+  const std::optional<UdpmUrl> url = parse_udpm_url(bus::parse_network(lcm_url).lcm_url);
   if (!url) {
     std::fprintf(stderr,
                  "orchard doctor: \"%s\" is not an LCM URL; give one such as "

@@ -48,6 +48,32 @@ struct MessageId {
   }
 };
 
+/// A message as an acknowledgement names it.
+struct MessageName {
+  MessageId id;
+  std::int64_t utime = 0;
+  bool operator<(const MessageName& other) const {
+    return std::tie(id, utime) < std::tie(other.id, other.utime);
+  }
+};
+
+/// The latest messages of a replay: a late acknowledgement may still name one of them.
+class RecentMessages {
+ public:
+  void add(const MessageName& name) {
+    if (!names_.insert(name).second) return;
+    order_.push_back(name);
+    if (order_.size() <= kNumRemembered) return;
+    names_.erase(order_.front());
+    order_.pop_front();
+  }
+  bool has(const MessageName& name) const { return names_.count(name) > 0; }
+
+ private:
+  std::set<MessageName> names_;
+  std::deque<MessageName> order_;
+};
+
 struct Participant {
   std::string name;
   std::int8_t number = 0;
@@ -121,7 +147,9 @@ class Exchange {
 
   /// Ends the step after its outputs were passed on; repeated ones are then recognized as old.
   void close_step() {
+    recent_.add({root_, root_utime_});
     for (const auto& [id, output] : outputs_) {
+      recent_.add({id, output.utime});
       std::int32_t& last = past_.emplace(id.channel, -1).first->second;
       last = std::max(last, id.seq);
     }
@@ -151,6 +179,7 @@ class Exchange {
     announced_.clear();
     promised_.clear();
     outputs_.clear();
+    taken_.clear();
     if (!expected.empty()) waiting_[id] = std::move(expected);
     // A flush may save the map of a whole day on a busy machine.
     const bool is_mark = id.channel == Channel::kReplay;
@@ -165,17 +194,33 @@ class Exchange {
         // Do not repeat the message while its chain of outputs still makes progress.
         if (wait(pause)) pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       }
-      if (done()) return drop_strangers();
+      if (done()) return end_step();
     }
     throw LockstepError(what_is_missing() +
                         "; gave up after repeated attempts. Restart the processes with --lockstep");
   }
 
-  /// Drops outputs that no node announced: they do not belong to this replay.
-  void drop_strangers() {
+  /// Drops outputs that no node announced: they do not belong to this replay. What a node took of
+  /// them has changed its results.
+  void end_step() {
+    for (const auto& [name, node] : taken_) {
+      const auto output = outputs_.find(name.id);
+      const bool is_own = promised_.count(name.id) > 0 && output != outputs_.end() &&
+                          output->second.utime == name.utime;
+      if (!is_own) refuse_stranger(name, node);
+    }
     for (auto output = outputs_.begin(); output != outputs_.end();) {
       output = promised_.count(output->first) > 0 ? std::next(output) : outputs_.erase(output);
     }
+  }
+
+  [[noreturn]] void refuse_stranger(const MessageName& name, std::int8_t node) const {
+    throw LockstepError(
+        name_of(node) + " took " + std::string(info(name.id.channel).name) + " seq " +
+        std::to_string(name.id.seq) + " (utime " + std::to_string(name.utime) +
+        "), which does not belong to this replay: another program publishes on " + bus_.url() +
+        ". Stop it, or replay on a network or under a robot's name of its own "
+        "(--lcm-url, --robot)");
   }
 
   bool is_past(const MessageId& id) const {
@@ -229,10 +274,16 @@ class Exchange {
       for (const OutputId& input : ack.outputs) participant->inputs.insert(input.channel);
       return;
     }
+    if (!participant->present) return;  // of the replay before
     const MessageId id{ack.channel, ack.seq};
+    const MessageName name{id, ack.utime};
+    if (recent_.has(name)) return;  // repeated
     const auto open = waiting_.find(id);
     const bool is_root = info(ack.channel).role != Role::kDerived;
-    if (is_root && ack.utime != root_utime_) return;
+    if (is_root && (ack.utime != root_utime_ || ack.seq != root_.seq)) {
+      refuse_stranger(name, ack.node);
+    }
+    if (!is_root) taken_.emplace_back(name, ack.node);
     if (open == waiting_.end() || open->second.erase(ack.node) == 0) {
       // A consumer may acknowledge an output before the ACK that announces the output arrives.
       if (!is_root && !is_past(id) && acknowledged_.count({id, ack.node}) == 0) accept(id, ack);
@@ -262,8 +313,14 @@ class Exchange {
     announced_.erase(id);
     if (is_past(id)) return;                     // repeated
     if (outputs_.size() >= kOutputsMax) return;  // no input causes so many
-    outputs_.emplace(
-        id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
+    Output output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}};
+    const auto known = outputs_.emplace(id, output).first;
+    if (known->second.bytes == output.bytes) return;
+    throw LockstepError("two different messages " + std::string(info(id.channel).name) + " seq " +
+                        std::to_string(id.seq) + " came: another program publishes on " +
+                        bus_.url() +
+                        ". Stop it, or replay on a network or under a robot's name of its own "
+                        "(--lcm-url, --robot)");
   }
 
   Bus& bus_;
@@ -278,6 +335,8 @@ class Exchange {
   std::set<MessageId> promised_;  ///< outputs announced by the acknowledgements of this step
   std::map<MessageId, Output> outputs_;
   std::string last_refusal_;
+  std::vector<std::pair<MessageName, std::int8_t>> taken_;  ///< derived, of this step, by node
+  RecentMessages recent_;
   std::map<Channel, std::int32_t> past_;  ///< highest seq passed on
   std::int64_t num_resent_ = 0;
 };

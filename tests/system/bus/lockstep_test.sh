@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Lockstep over multicast: equal to the in-process replay whatever the start order, also over a link
-# that loses datagrams, and twice in a row through the same processes; a stuck node is named.
+# that loses datagrams, and twice in a row through the same processes; a stuck node and a stranger are named.
 . "$(dirname "$0")/common.sh"
 
 node() { start "$work/$1.out" "$bin/fake_node" --role "$1" --lockstep --lcm-url "$2" "${@:3}"; }
@@ -53,3 +53,32 @@ cat "$work/error"
 grep -q "no answer from orchard-mapper to \(POSE\|DETECTIONS\) seq" "$work/error" || fail "stuck node: not named"
 [ ! -e "$work/none" ] || fail "stuck node: a derived.lcm was left behind"
 echo "ok: a stuck node is named"
+stop_all
+
+# Strangers on the replay's network: a driver, then another player. A replay is what it is alone, or is refused.
+right_or_refused() {  # right_or_refused CODE OUT ERROR
+  if [ "$1" -eq 0 ]; then cmp "$work/expected" "$2" || fail "a stranger changed the replay, and nobody says so"; return; fi
+  [ "$1" -eq 1 ] && grep -q "another program publishes\|lockstep replay is stuck" "$3" ||
+    { cat "$3"; fail "a stranger: exit code $1"; }
+  [ ! -e "$2" ] || fail "a derived.lcm was left behind"
+}
+for role in detector pose mapper; do node "$role" "$url"; done
+start "$work/error" "$bin/fake_player" "$work/log" "$url" "$work/strange" 3000
+player=$started
+while kill -0 "$player" 2>/dev/null; do "$bin/fake_driver" --speed 50 --lcm-url "${url/:7667/:17667}" 2>/dev/null; done
+code=0; wait "$player" || code=$?
+[ "$code" -eq 1 ] && grep -q "took .* another program publishes" "$work/error" ||
+  { cat "$work/error"; fail "a driver beside the replay: exit code $code"; }
+[ ! -e "$work/strange" ] || fail "a driver beside the replay: a derived.lcm was left behind"
+echo "ok: a driver beside the replay is named"
+"$bin/fake_player" "$work/log" "$url" "$work/after" 100
+cmp "$work/expected" "$work/after" || fail "the replay after a stranger differs"
+for one in a b; do
+  start "$work/error.$one" "$bin/fake_player" "$work/log.$one" "$url" "$work/both.$one" 100
+  eval "$one=$started"
+done
+for one in a b; do
+  code=0; wait "${!one}" || code=$?
+  right_or_refused "$code" "$work/both.$one" "$work/error.$one"
+done
+echo "ok: two players at once do not spoil each other unnoticed"

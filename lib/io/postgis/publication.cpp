@@ -85,14 +85,21 @@ class PostgresConnection {
   /// URL or one with a password.
   explicit PostgresConnection(const std::string& url) {
     require_no_password(url);
-    const bool has_timeout = url.find("connect_timeout") != std::string::npos ||
-                             std::getenv("PGCONNECT_TIMEOUT") != nullptr;
-    // later entries of the list win, so the URL's own application_name does
-    const char* keys[] = {"application_name", "client_encoding",
-                          has_timeout ? "dbname" : "connect_timeout",
-                          has_timeout ? nullptr : "dbname", nullptr};
-    const char* values[] = {"orchard publish", "UTF8", has_timeout ? url.c_str() : "10",
-                            has_timeout ? nullptr : url.c_str(), nullptr};
+    const char* timeout_s = std::getenv("PGCONNECT_TIMEOUT");
+    // Later entries of the list win, so those of the URL do. A machine that loses its power sends
+    // no farewell: half a minute without a sign of life ends the connection.
+    const char* keys[] = {"application_name", "client_encoding",  "connect_timeout",
+                          "keepalives_idle",  "keepalives_count", "keepalives_interval",
+                          "tcp_user_timeout", "dbname",           nullptr};
+    const char* values[] = {"orchard publish",
+                            "UTF8",
+                            timeout_s != nullptr ? timeout_s : "10",
+                            "10",
+                            "2",
+                            "10",
+                            "30000",
+                            url.c_str(),
+                            nullptr};
     connection_.reset(PQconnectdbParams(keys, values, 1));
     if (PQstatus(connection_.get()) != CONNECTION_OK) fail("no connection to the database");
     PQsetNoticeProcessor(
@@ -105,8 +112,17 @@ class PostgresConnection {
   void run(const char* statements) {
     const Result result(PQexec(connection_.get(), statements));
     const ExecStatusType status = PQresultStatus(result.get());
-    if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
-      fail("the database refused the request");
+    if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail_request();
+  }
+
+  /// Ends the transaction. When the connection is lost here, nobody knows whether it was.
+  void commit() {
+    const Result result(PQexec(connection_.get(), "COMMIT"));
+    if (PQresultStatus(result.get()) == PGRES_COMMAND_OK) return;
+    if (PQstatus(connection_.get()) == CONNECTION_OK) fail_request();
+    throw std::runtime_error("the connection was lost at the last step: " + reason() +
+                             "; the map may or may not be published: publish it again, which "
+                             "replaces it");
   }
 
   /// Executes one statement with $1, $2 ...; returns the number of rows it changed or, for a
@@ -118,34 +134,39 @@ class PostgresConnection {
                                      nullptr, values.data(), nullptr, nullptr, 0));
     const ExecStatusType status = PQresultStatus(result.get());
     if (status == PGRES_TUPLES_OK) return PQntuples(result.get());
-    if (status != PGRES_COMMAND_OK) fail("the database refused the request");
+    if (status != PGRES_COMMAND_OK) fail_request();
     return std::strtoll(PQcmdTuples(result.get()), nullptr, 10);
   }
 
   /// Sends text lines to `statement`, a COPY ... FROM STDIN.
   void begin_copy(const char* statement) {
     const Result result(PQexec(connection_.get(), statement));
-    if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refused the request");
+    if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail_request();
   }
   void copy(std::string_view lines) {
     if (PQputCopyData(connection_.get(), lines.data(), static_cast<int>(lines.size())) != 1) {
-      fail("the connection was lost");
+      fail_request();
     }
   }
   void end_copy() {
-    if (PQputCopyEnd(connection_.get(), nullptr) != 1) fail("the connection was lost");
+    if (PQputCopyEnd(connection_.get(), nullptr) != 1) fail_request();
     bool is_good = true;
     while (Result result{PQgetResult(connection_.get())}) {
       is_good = is_good && PQresultStatus(result.get()) == PGRES_COMMAND_OK;
     }
-    if (!is_good) fail("the database refused the request");
+    if (!is_good) fail_request();
   }
 
  private:
+  std::string reason() const { return first_line(PQerrorMessage(connection_.get())); }
+
   [[noreturn]] void fail(const char* what) const {
-    throw std::runtime_error(std::string(what) + ": " +
-                             first_line(PQerrorMessage(connection_.get())) +
-                             "; nothing was published");
+    throw std::runtime_error(std::string(what) + ": " + reason() + "; nothing was published");
+  }
+  [[noreturn]] void fail_request() const {
+    const bool is_connected = PQstatus(connection_.get()) == CONNECTION_OK;
+    fail(is_connected ? "the database refused the request"
+                      : "the connection to the database was lost");
   }
 
   struct Closer {
@@ -294,7 +315,7 @@ PublishedCounts publish(const std::string& url, const Publication& publication,
       "DO UPDATE SET num_trees = excluded.num_trees, source = excluded.source, "
       "published_at = now(), published_by = session_user",
       {publication.block, publication.date, publication.source});
-  connection.run("COMMIT");
+  connection.commit();
   return counts;
 }
 

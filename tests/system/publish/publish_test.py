@@ -110,22 +110,43 @@ class Publish(unittest.TestCase):
                                          "WHERE row_name IS NOT NULL ORDER BY id"),
                          ['A; "old"|1b', "A|2"])
 
-    def test_killed_in_the_middle_is_nothing(self):
+    SESSIONS = "SELECT count(*) FROM pg_stat_activity WHERE application_name = 'orchard publish'"
+
+    def publisher_in_the_middle(self):
+        """A publisher that waits between its COPY and its end, and who holds the table."""
         self.publish(self.map_of("before"))
-        # somebody holds the table: the publisher waits between its COPY and its end
         holder = subprocess.Popen(["psql", "-X", "-q", "-d", self.server.url()],
-                                  stdin=subprocess.PIPE, text=True)
+                                  stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         holder.stdin.write("BEGIN; LOCK TABLE orchard.tree IN EXCLUSIVE MODE;\n")
         holder.stdin.flush()
-        sessions = ("SELECT count(*) FROM pg_stat_activity WHERE "
-                    "application_name = 'orchard publish'")
-        publisher = subprocess.Popen(self.command(self.map_of("after", lambda row: 0.02, {101})))
-        wait_for(lambda: self.server.sql(sessions + " AND wait_event_type = 'Lock'") == ["1"])
+        publisher = subprocess.Popen(self.command(self.map_of("after", lambda row: 0.02, {101})),
+                                     stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: self.server.sql(self.SESSIONS + " AND wait_event_type = 'Lock'") == ["1"])
+        return publisher, holder
+
+    def test_killed_in_the_middle_is_nothing(self):
+        publisher, holder = self.publisher_in_the_middle()
         publisher.kill()
-        publisher.wait(60)
+        publisher.communicate(timeout=60)
         holder.stdin.close()  # a session that ends takes its lock along
         holder.wait(60)
-        wait_for(lambda: self.server.sql(sessions) == ["0"])
+        wait_for(lambda: self.server.sql(self.SESSIONS) == ["0"])
+        self.all_is_as_before()
+
+    def test_a_database_that_dies_in_the_middle_has_nothing_of_it(self):
+        publisher, holder = self.publisher_in_the_middle()
+        self.server.die()
+        _, said = publisher.communicate(timeout=60)
+        holder.stdin.close()
+        holder.wait(60)
+        self.server.start()
+        self.assertEqual(publisher.returncode, 1, said)
+        self.assertRegex(said, "the connection to the database was lost: .*; nothing was published")
+        self.all_is_as_before()
+        self.publish(self.map_of("after", lambda row: 0.02, {101}))
+        self.assertEqual(self.count(), ROWS * TREES - 1)
+
+    def all_is_as_before(self):
         self.assertEqual(self.count(), ROWS * TREES)
         self.assertEqual(self.count(where="width_m > 0.115"), 0)
         self.assertEqual(self.count("tree_replaced"), 0)

@@ -34,18 +34,25 @@ class Server:
         os.chmod(self.folder, 0o755)
         self._run("initdb", "-D", self.folder + "/data", "-A", "trust", "-U", "owner", "-E", "UTF8",
                   "--locale=C", "--no-sync")
-        self._run("pg_ctl", "-D", self.folder + "/data", "-w", "-t", "60", "-l",
-                  self.folder + "/log", "-o",
-                  f"-c listen_addresses='' -c unix_socket_directories='{self.folder}' -c fsync=off",
-                  "start")
+        self.start()
         self._run("psql", "-h", self.folder, "-U", "owner", "-d", "postgres", "-qc",
                   "CREATE DATABASE orchard")
         return self
 
-    def __exit__(self, *_):
+    def start(self):
+        self._run("pg_ctl", "-D", self.folder + "/data", "-w", "-t", "60", "-l",
+                  self.folder + "/log", "-o",
+                  f"-c listen_addresses='' -c unix_socket_directories='{self.folder}' -c fsync=off",
+                  "start")
+
+    def die(self):
+        """Ends all of its processes at once, as a machine that loses its power."""
         subprocess.run(self._as_user([self.bin + "/pg_ctl", "-D", self.folder + "/data", "-m",
                                       "immediate", "stop"]), cwd="/", stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL)
+
+    def __exit__(self, *_):
+        self.die()
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def url(self, user="owner"):

@@ -26,11 +26,14 @@ void handle_stop_signals(void (*handler)(int)) {
 }  // namespace
 
 InterruptibleWork::InterruptibleWork(std::string label, bool show_progress)
-    : bar_(std::move(label), show_progress) {
+    : bar_(std::move(label), show_progress), on_broken_pipe_(std::signal(SIGPIPE, SIG_IGN)) {
   handle_stop_signals(note_signal);
 }
 
-InterruptibleWork::~InterruptibleWork() { handle_stop_signals(SIG_DFL); }
+InterruptibleWork::~InterruptibleWork() {
+  handle_stop_signals(SIG_DFL);
+  std::signal(SIGPIPE, on_broken_pipe_);
+}
 
 void InterruptibleWork::update(std::uint64_t done, std::uint64_t total) {
   if (interrupted != 0) throw Interrupted();

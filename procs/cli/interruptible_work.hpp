@@ -16,8 +16,8 @@ class Interrupted : public std::runtime_error {
 };
 
 /// Shows a progress bar on a terminal and makes a long operation interruptible: while an object
-/// exists, SIGINT and SIGTERM make its next update() throw, so that the caller can clean up. A
-/// second Ctrl-C kills at once.
+/// exists, SIGINT and SIGTERM make its next update() throw, so that the caller can clean up, and a
+/// reader of the output that has had enough (`| head`) ends nothing. A second Ctrl-C kills at once.
 class InterruptibleWork {
  public:
   explicit InterruptibleWork(std::string label, bool show_progress = true);
@@ -33,6 +33,7 @@ class InterruptibleWork {
 
  private:
   io::ProgressBar bar_;
+  void (*on_broken_pipe_)(int);  ///< as before
 };
 
 }  // namespace orchard::cli

@@ -66,7 +66,24 @@ void Inbox::pass(Lane& lane, Arrival arrival) {
     lane.last_seq = seq;
   }
   ++lane.num_ready;
-  ready_.push_back(std::move(arrival));
+  lane.passed_time = arrival.time = std::max(arrival.time, lane.passed_time);
+  const auto after = std::upper_bound(
+      ready_.begin(), ready_.end(), arrival.time,
+      [](Clock::time_point time, const Arrival& other) { return time < other.time; });
+  ready_.insert(after, std::move(arrival));
+}
+
+/// Whether there is none to be taken: what arrived after a message that waits for its predecessor
+/// waits, too, or other channels would overtake it where one of its own was lost.
+bool Inbox::is_held() const {
+  if (ready_.empty()) return true;
+  const auto is_before = [this](const Arrival& parked) {
+    return parked.time < ready_.front().time;
+  };
+  return num_parked_ > 0 &&
+         std::any_of(lanes_.begin(), lanes_.end(), [&is_before](const Lane& lane) {
+           return std::any_of(lane.parked.begin(), lane.parked.end(), is_before);
+         });
 }
 
 /// Passes on the messages that follow without a gap, and those that arrived before the given time.
@@ -94,7 +111,7 @@ std::optional<Inbox::Arrival> Inbox::take(Clock::time_point now) {
       if (!lane.parked.empty()) release(lane, now - kReorderWait);
     }
   }
-  if (ready_.empty()) return std::nullopt;
+  if (is_held()) return std::nullopt;
   Arrival arrival = std::move(ready_.front());
   ready_.pop_front();
   forget(lane_of(arrival.message), arrival);
@@ -102,7 +119,7 @@ std::optional<Inbox::Arrival> Inbox::take(Clock::time_point now) {
 }
 
 std::optional<int> Inbox::ms_until_next(Clock::time_point now) const {
-  if (!ready_.empty()) return 0;
+  if (!is_held()) return 0;
   if (num_parked_ == 0) return std::nullopt;
   std::int64_t ms = kReorderWait.count();
   for (const Lane& lane : lanes_) {

@@ -16,7 +16,8 @@
 namespace orchard::bus {
 
 /// Queue of received messages that wait for their node, bounded in number and size. The order is
-/// that of arrival; messages of one channel that the network swapped are sorted by seq.
+/// that of arrival, between channels, too, also while a message waits for a predecessor that was
+/// lost; messages of one channel that the network swapped are sorted by seq.
 class Inbox {
  public:
   using Clock = std::chrono::steady_clock;
@@ -32,7 +33,7 @@ class Inbox {
   static constexpr std::size_t kImagesMax = 4;
 
   struct Arrival {
-    Clock::time_point time;
+    Clock::time_point time;  ///< of arrival, or of a predecessor's that arrived later
     Message message;
     std::size_t num_bytes = 0;  ///< encoded size as received
   };
@@ -60,12 +61,14 @@ class Inbox {
     std::optional<std::int32_t> last_seq;  ///< highest seq passed on
     std::vector<Arrival> parked;           ///< waiting for a predecessor, in order of seq
     std::size_t num_ready = 0;
+    Clock::time_point passed_time;  ///< of the last one passed on
   };
   Lane& lane_of(const Message& message) {
     return lanes_[static_cast<std::size_t>(channel_of(message))];
   }
   void pass(Lane& lane, Arrival arrival);
   void release(Lane& lane, Clock::time_point arrived_before);
+  bool is_held() const;
   void drop_oldest_image();
   void forget(Lane& lane, const Arrival& arrival);
 

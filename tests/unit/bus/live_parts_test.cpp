@@ -65,6 +65,32 @@ TEST(Inbox, WaitsForAMissingMessageNoLongerThanNetworksSwap) {
   EXPECT_FALSE(inbox.ms_until_next(Time()));
 }
 
+TEST(Inbox, NoChannelOvertakesAnotherThatHasLostAMessage) {
+  const auto odometry = [](int ms) {
+    return Inbox::Arrival{Time() + milliseconds(ms), pose::Odometry{}, 100};
+  };
+  const auto taken = [](Inbox& inbox, int ms) {
+    std::string order;
+    while (const auto next = inbox.take(Time() + milliseconds(ms))) {
+      order += channel_of(next->message) == Channel::kScan ? 's' : 'o';
+    }
+    return order;
+  };
+  Inbox lost;
+  lost.add(scan(0, Time()));
+  lost.add(scan(2, Time() + milliseconds(10)));
+  lost.add(odometry(20));
+  EXPECT_EQ(taken(lost, 20), "s");
+  EXPECT_EQ(lost.ms_until_next(Time() + milliseconds(20)), 50);
+  EXPECT_EQ(taken(lost, 70), "so");
+  Inbox late;
+  late.add(scan(0, Time()));
+  late.add(scan(2, Time() + milliseconds(10)));
+  late.add(odometry(20));
+  late.add(scan(1, Time() + milliseconds(30)));
+  EXPECT_EQ(taken(late, 30), "soss");
+}
+
 TEST(Inbox, ASourceThatBeginsAgainOrLeapsIsNotHeldUp) {
   Inbox inbox;
   for (const std::int32_t seq : {500, 501, 0, 1, 2, INT32_MAX, 3, 4}) {

@@ -78,6 +78,15 @@ class TwoHosts:
         self.played, self.heard = wire.read_log(drive.log), wire.read_log(heard) if recorder_on_b else []
         self.map = os.path.join(out, "map.csv")
         self.compared = Difference(drive.map, self.map)
+        # With the detector on the other host, its scans are not those that were heard here.
+        self.replay = self.replayed(bench, drive, heard) if recorder_on_b and not beside_sensors else None
+
+    def replayed(self, bench, drive, heard):
+        """The live map against that of what its host has heard."""
+        out = os.path.join(bench.work, "replayed")
+        shutil.rmtree(out, ignore_errors=True)
+        bench.orchard("map", heard, "--config", drive.config, "--out", out, "--quiet")
+        return Difference(os.path.join(out, "map.csv"), self.map)
 
     def true_loss(self, channels):
         """Messages of these channels that one host played and the other did not hear, and all played."""

@@ -40,7 +40,7 @@ MEASUREMENTS = {
         measure_strangers.twice,
         measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,
         measure_two_machines.two_machines, measure_laser.laser_unplug, measure_laser.laser_cable,
-        measure_laser.laser_stamps, measure_laser.laser_sums, measure_live.emulated, measure_day.day,
+        measure_laser.laser_stamps, measure_laser.laser_sums, measure_live.emulated, measure_live.bot_core, measure_day.day,
         measure_pictures.pictures)
 }
 

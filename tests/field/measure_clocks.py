@@ -58,23 +58,31 @@ def replayed(bench, drive, path):
             os.path.join(out, "map.csv"))
 
 
-def driven(bench, drive, path, speed):
-    """The map.csv of a log's source messages sent as they arrived, by processes of their own."""
+def driven(bench, config, path, speed, sender_on=None):
+    """The map.csv of a log's messages sent as they arrived, by processes of their own.
+
+    sender_on(host): sends all of them, over whatever it starts; without it the source messages are sent.
+    """
     out = os.path.join(bench.work, "live")
     shutil.rmtree(out, ignore_errors=True)
     host = lone_host()
     try:
         listener = wire.Listener(host)
-        nodes = bench.start_nodes(host, drive.config, out)
+        nodes = bench.start_nodes(host, config, out)
+        processes = ["orchard-" + name for name in NODES]
         for name in NODES:
             if not listener.wait(lambda status, name=name: status.name == "orchard-" + name, 20):
                 raise RuntimeError(f"orchard-{name} does not start: {nodes[name].said()}")
-        sender = wire.Sender(None, socket=wire.udp_socket(host))
-        events = [event for event in wire.read_log(path) if event[1] in wire.SOURCES]
+        sender = sender_on(host) if sender_on else wire.Sender(None, socket=wire.udp_socket(host))
+        if sender_on and not listener.wait(lambda status: status.name not in processes, 20):
+            raise RuntimeError("what translates the messages does not start")
+        events = [event for event in wire.read_log(path) if sender_on or event[1] in wire.SOURCES]
         begin = time.monotonic()
         for utime, channel, data in events:
             time.sleep(max(0.0, begin + 1e-6 * (utime - events[0][0]) / speed - time.monotonic()))
             sender.send(channel, data)
+        if sender_on:  # a translator is done when it has sent as many
+            listener.wait(lambda status: status.name not in processes and status.num_published >= len(events), 20)
         for name in NODES:  # each handles what has arrived before it ends
             if nodes[name].stop() != 0:
                 raise RuntimeError(f"orchard-{name}: {nodes[name].said()}")
@@ -124,7 +132,7 @@ def clocks_live(bench, arguments):
     found = []
     for what, change, forged in cases:
         path = altered_log(bench, drive, change, forged)
-        live = driven(bench, drive, path, arguments.speed)
+        live = driven(bench, drive.config, path, arguments.speed)
         done, replay = replayed(bench, drive, path)
         if done.returncode != 0:
             found.append(Row("clocks_live", what, done.stderr, "a map", False))
@@ -161,6 +169,11 @@ def clocks(bench, arguments):
             return wire.restamped(data, utime + 200_000) if channel in channels else data
 
         text, said, difference = altered_map(bench, drive, skew)
+        if difference is not None:
+            live = Difference(os.path.join(bench.work, "altered", "map.csv"),
+                              driven(bench, drive.config, os.path.join(bench.work, "altered.lcm"), arguments.speed))
+            found.append(Row("clocks", f"the host of {what} runs 200 ms ahead: live against the replay", live,
+                             "the same bytes", live.same_bytes))
         found.append(Row("clocks", f"the host of {what} runs 200 ms ahead: map of the log; what is said",
                          f"{text}; {clipped(said) or 'nothing'}", "it is said",
                          re.search(CLOCKS, said) is not None))

@@ -29,6 +29,7 @@ def loss(bench, arguments):
             runs = [TwoHosts(bench, drive, arguments.speed,
                              {"--loss": share, "--whole": whole, "--seed": drive.seed}) for drive in drives]
             found.append(trees_row(f"{100 * share:g} % of all {unit} lost", runs, WANTED_TREES_percent[share]))
+            found.append(replay_row("loss", f"{100 * share:g} % of all {unit} lost", runs))
             lost, sent = (sum(values) for values in zip(*(run.true_loss(DETECTOR_INPUTS) for run in runs)))
             told = sum(run.status["detector"].num_lost for run in runs if run.status["detector"])
             found.append(Row("loss", f"{100 * share:g} % of all {unit}: messages lost, told against true",
@@ -45,6 +46,14 @@ def trees_row(what, runs, wanted_percent):
     allowed = max(1 if wanted_percent > 0.0 else 0, int(wanted_percent / 100.0 * total.num))
     return Row("loss", what + ": map", str(total), f"at most {wanted_percent:g} %: {allowed}",
                total.gone + total.new <= allowed)
+
+
+def replay_row(name, what, runs):
+    """Whether each live map is that of what its host heard."""
+    same = sum(run.replay.same_bytes for run in runs)
+    worst = next((str(run.replay) for run in runs if not run.replay.same_bytes), "the same bytes")
+    return Row(name, what + ": live against the replay of what arrived", f"{same} of {len(runs)} drives; {worst}",
+               "the same bytes", same == len(runs))
 
 
 def detector_beside_sensors(bench, drives, speed):
@@ -70,7 +79,7 @@ def duplicates(bench, arguments):
     run = TwoHosts(bench, drive, arguments.speed, {"--duplicate": 0.1, "--seed": arguments.seed})
     difference = run.compared
     return [Row("duplicates", "10 % of all frames twice: map", str(difference), "the same bytes",
-                difference.same_bytes)]
+                difference.same_bytes), replay_row("duplicates", "10 % of all frames twice", [run])]
 
 
 def reorder(bench, arguments):
@@ -87,6 +96,7 @@ def reorder(bench, arguments):
             difference.gone + difference.new == 0),
         Row("reorder", "the same: reported lost, repeated; truly lost",
             f"{told[0]}, {told[1]}; {num_lost} of {num_sent}", "0, 0; 0", told == (0, 0)),
+        replay_row("reorder", "every frame late by 0 to 50 ms", [run]),
     ]
 
 
@@ -143,6 +153,7 @@ def link_down(bench, arguments):
                      kept == len(before) > 0))
     found.append(Row("link_down", "map against the drive without it", str(run.compared),
                      "(10 s are missing)", None))
+    found.append(replay_row("link_down", "10 s without a link", [run]))
     return found
 
 

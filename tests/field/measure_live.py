@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """orchard live with every sensor played at its real protocol, a simulated orchard behind them."""
+import glob
+import math
 import os
 import shutil
+import subprocess
+import sys
 import time
 
-from hosts import Network
+import wire
+from drive import Drive
+from hosts import Network, lone_host
 from maps import Difference
+from measure_clocks import driven
+from measure_day import laser_rig
 from programs import Program
 from table import Row
 
@@ -97,3 +105,57 @@ def emulated(bench, arguments):
     """orchard live with every sensor at its real protocol: the map, and what it costs."""
     bench.impaired_link = os.path.join(bench.build, "tests", "field", "impaired_link")
     return one(bench, arguments, False) + one(bench, arguments, True)
+
+
+ROBOT_PORT = 7668  # the network of a robot that speaks libbot's types
+LIBBOT = """
+drivers:
+  bot_core:
+    lcm_url: udpm://239.255.76.67:7668?ttl=0
+    pose_as: pose_fix
+    range_max_m: 20.0
+"""
+
+
+def as_libbot(log, path, types):
+    """A log's scans and fixes as a robot with libbot would have recorded them; how many."""
+    events = []
+    for utime, channel, data in wire.read_log(log):
+        if channel == "SCAN":
+            scan, lidar = wire.types.scan_t.decode(data), types.planar_lidar_t()
+            lidar.utime, lidar.nranges, lidar.ranges = scan.utime, scan.num_ranges, scan.ranges_m
+            lidar.rad0, lidar.radstep = scan.bearing_min_rad, scan.bearing_step_rad
+            events.append((utime, "HOKUYO", lidar.encode()))
+        elif channel == "POSE_FIX":
+            fix, pose = wire.types.pose_fix_t.decode(data), types.pose_t()
+            pose.utime, pose.pos = fix.utime, (fix.x_m, fix.y_m, 0.0)
+            pose.orientation = (math.cos(fix.yaw_rad / 2), 0.0, 0.0, math.sin(fix.yaw_rad / 2))
+            events.append((utime, "BODY", pose.encode()))
+    wire.write_log(path, events)
+    return len(events)
+
+
+def bot_core(bench, arguments):
+    """A robot that speaks libbot's types: its live map against that of its recording, imported."""
+    drive = Drive(bench, "config/orchard.yaml", arguments.seed, 20.0 if arguments.short else 0.0)
+    subprocess.run(["lcm-gen", "--python", "--ppath", bench.work, *sorted(glob.glob("lcmtypes/bot_core/*.lcm"))], check=True)
+    sys.path.insert(0, bench.work)
+    import bot_core as types
+    rig, log = os.path.join(bench.work, "rig.yaml"), os.path.join(bench.work, "robot.lcm")
+    laser_rig(drive, rig)
+    with open(rig, "a") as file:
+        file.write(LIBBOT)
+    num = as_libbot(drive.log, log, types)
+    imported, out = os.path.join(bench.work, "imported.lcm"), os.path.join(bench.work, "imported")
+    bench.orchard("import", log, "--config", rig, "--out", imported)
+    shutil.rmtree(out, ignore_errors=True)
+    bench.orchard("map", imported, "--config", rig, "--out", out, "--quiet")
+
+    def adapter(host):
+        bench.start(host, "bot-core-adapter", "--config", rig)
+        return wire.Sender(None, socket=wire.udp_socket(host), port=ROBOT_PORT)
+
+    live = driven(bench, rig, log, arguments.speed, adapter)
+    difference = Difference(os.path.join(out, "map.csv"), live)
+    return [Row("bot_core", f"{num} planar_lidar_t and pose_t through the live adapter: map against that of the imported log",
+                difference, "the same bytes", difference.same_bytes and difference.num > 0)]

@@ -9,7 +9,7 @@ import wire
 from drive import Drive
 from hosts import Network, lone_host
 from maps import Difference
-from measure_clocks import clipped, complaints
+from measure_clocks import clipped, complaints, driven
 from measure_kills import feeder, wait_for_nodes
 from programs import NODES
 from table import Row
@@ -127,6 +127,7 @@ def calibration(bench, arguments):
     out = os.path.join(bench.work, "turned")
     done = bench.orchard("map", drive.log, "--config", wrong, "--out", out, check=False)
     said = complaints(done)
+    live = live_row("camera turned by 3 degrees", out, driven(bench, wrong, drive.log, arguments.speed))
     turned = Row("calibration", "camera turned by 3 degrees: map; what is said",
                  f"{Difference(drive.map, os.path.join(out, 'map.csv'))}; {clipped(said) or 'nothing'}",
                  "it is said", bool(re.search(r"camera|image|edges|extrinsics|calibr", said, re.I)))
@@ -138,4 +139,11 @@ def calibration(bench, arguments):
     missing = Row("calibration", "no picture comes although the rig has a camera: map; what is said",
                   f"{Difference(drive.map, os.path.join(out, 'map.csv'))}; {clipped(said) or 'nothing'}",
                   "it is said", bool(re.search(r"IMAGE|picture|camera", said)))
-    return [turned, missing]
+    live_missing = live_row("no picture comes although the rig has a camera", out,
+                            driven(bench, drive.config, path, arguments.speed))
+    return [turned, live, missing, live_missing]
+
+
+def live_row(what, folder, live):
+    difference = Difference(os.path.join(folder, "map.csv"), live)
+    return Row("calibration", what + ": live against the replay", difference, "the same bytes", difference.same_bytes)

@@ -45,14 +45,15 @@ def udp_socket(host):
 class Sender:
     """Publishes on a host, as a process there would."""
 
-    def __init__(self, host, ttl=1, socket=None):
+    def __init__(self, host, ttl=1, socket=None, port=PORT):
+        self.port = port
         self.socket = socket or udp_socket(host)
         self.socket.setsockopt(IPPROTO_IP, IP_MULTICAST_TTL, ttl)
         self.number = 0
 
     def raw(self, datagram):
         try:
-            self.socket.sendto(datagram, (GROUP, PORT))
+            self.socket.sendto(datagram, (GROUP, self.port))
         except OSError:
             return False
         return True

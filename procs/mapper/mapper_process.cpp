@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 #include <charconv>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -38,6 +39,7 @@ constexpr std::size_t kGrowthParts = 8;
 
 bus::Writing MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   if (folder_.empty()) return {};
+  ++num_saves_;
   // The first save writes all files while the map is still small, so that users find every file.
   const std::optional<std::size_t> before = num_poses_in_all();
   const bool is_live = request.kind != bus::SaveKind::kFinal && before.has_value();
@@ -60,7 +62,7 @@ std::optional<std::size_t> MapSaver::num_poses_in_all() const {
 void MapSaver::begin_new_map() {
   {
     const std::lock_guard lock(saved_->writing);
-    saved_->is_over = true;
+    saved_->newest_number = std::numeric_limits<std::int64_t>::max();
   }
   saved_ = std::make_shared<Saved>();
   num_passed_over_ = 0;
@@ -73,9 +75,10 @@ void MapSaver::write_table(const std::string& folder, std::string table, Saved& 
 }
 
 bus::Writing MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) const {
-  return [folder = folder_, table = io::map_csv(landmarks), saved = saved_]() mutable {
+  return [folder = folder_, table = io::map_csv(landmarks), saved = saved_,
+          number = num_saves_]() mutable {
     const std::lock_guard lock(saved->writing);
-    if (!saved->is_over) write_table(folder, std::move(table), *saved);
+    if (is_newest(number, *saved)) write_table(folder, std::move(table), *saved);
   };
 }
 
@@ -95,9 +98,10 @@ bus::Writing MapSaver::save_folder(const MapperNode& mapper,
     content->summary.first_utime = content->trajectory.front().utime;
     content->summary.last_utime = content->trajectory.back().utime;
   }
-  return [folder = folder_, content, saved = saved_, num_poses = mapper.num_poses()]() mutable {
+  return [folder = folder_, content, saved = saved_, number = num_saves_,
+          num_poses = mapper.num_poses()]() mutable {
     const std::lock_guard lock(saved->writing);
-    if (saved->is_over) return;
+    if (!is_newest(number, *saved)) return;
     std::error_code ignored;  // the write below reports it
     std::filesystem::create_directories(folder, ignored);
     std::string table = io::map_csv(content->landmarks);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -47,10 +48,15 @@ class MapSaver {
   /// What writings of one map know of each other.
   struct Saved {
     std::mutex writing;
-    std::string table;     ///< content of map.csv in the folder; empty: unknown
-    bool is_over = false;  ///< another map has begun
+    std::string table;  ///< content of map.csv in the folder; empty: unknown
+    std::int64_t newest_number =
+        0;  ///< of the writings so far; the last when another map has begun
     std::optional<std::size_t> num_poses_in_all;  ///< in the whole folder; none: not yet written
   };
+  /// Whether a writing is newer than those so far, and does not undo one; remembers it.
+  static bool is_newest(std::int64_t number, Saved& saved) {
+    return number > std::exchange(saved.newest_number, std::max(number, saved.newest_number));
+  }
   static void write_table(const std::string& folder, std::string table, Saved& saved);
   /// Number of poses in the whole folder as last written; none: it was not.
   std::optional<std::size_t> num_poses_in_all() const;
@@ -62,6 +68,7 @@ class MapSaver {
   std::vector<std::string> notes_;
   std::shared_ptr<Saved> saved_ = std::make_shared<Saved>();
   std::size_t num_passed_over_ = 0;  ///< saves of map.csv since the last
+  std::int64_t num_saves_ = 0;
 };
 
 /// A mapper that can resume its map after a restart: beside the map it keeps a journal of all its

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <memory>
 #include <random>
@@ -414,6 +415,56 @@ TEST_F(MapSaverTest, FullAndFinalOnesWriteAll) {
     EXPECT_TRUE(exists("map.png"));
     EXPECT_TRUE(exists("map.csv"));
   }
+}
+
+/// Drives past a row while each save is written in a thread of its own, as in a live process.
+/// `restarts`: orchard-pose begins anew in the middle.
+void drive_and_save_beside(bus::Node& node, MapperProcess& process, bool restarts) {
+  RowDrive drive(node);
+  std::future<void> writing;
+  for (int k = 0; k < 200; ++k) {
+    drive.step(k, restarts && k >= 100 ? k - 100 : k);
+    if (k % 20 != 9) continue;
+    if (writing.valid()) writing.get();
+    const bus::SaveKind kind = k % 40 == 9 ? bus::SaveKind::kFull : bus::SaveKind::kQuick;
+    bus::Writing write = process.save(node, request(kind));
+    if (write) writing = std::async(std::launch::async, std::move(write));
+  }
+  if (writing.valid()) writing.get();
+  node.flush(kNowhere);
+  write(process.save(node, request(bus::SaveKind::kFinal)));
+}
+
+TEST(MapperProcess, SavesWrittenBesideTheInputsChangeNoMap) {
+  MapperNode never_saved(rig());
+  RowDrive drive(never_saved);
+  for (int k = 0; k < 200; ++k) drive.step(k, k);
+  never_saved.flush(kNowhere);
+
+  const io::TestFolder folder;
+  MapperProcess process;
+  const auto node = process.make_node(rig(), 5, folder.path(), false);
+  node->start({});
+  drive_and_save_beside(*node, process, false);
+  EXPECT_EQ(io::read_bytes(folder / "map.csv"), table_of(never_saved));
+}
+
+TEST(MapperProcess, AMapIsSetAsideWholeWhileASaveIsWritten) {
+  MapperNode earlier(rig(pose::PoseMode::kOdometry));
+  RowDrive drive(earlier);
+  for (int k = 0; k < 100; ++k) drive.step(k, k);
+
+  const io::TestFolder folder;
+  MapperProcess process;
+  const auto node = process.make_node(rig(pose::PoseMode::kOdometry), 5, folder.path(), false);
+  node->start({});
+  drive_and_save_beside(*node, process, true);
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    if (entry.path().filename().string().rfind("earlier_", 0) != 0) continue;
+    EXPECT_EQ(io::read_bytes(entry.path() / "map.csv"), table_of(earlier));
+    return;
+  }
+  ADD_FAILURE() << "no map was set aside";
 }
 
 TEST(MapSaver, WithoutAFolderNothingIsSaved) {

@@ -8,8 +8,6 @@
 namespace orchard::mapping {
 namespace {
 
-/// derived: fraction of missing planned trees and of extra mapped trees, as kChangedFraction.
-constexpr double kRare = 0.05;
 /// derived: fraction of pairs with a tree anywhere within the gate: missing ones and extra ones.
 constexpr double kStrayPair = 2.0 * kRare;
 
@@ -21,7 +19,7 @@ double pair_gain(double distance_m, const PlanNoise& noise) {
       std::exp(-0.5 * distance_m * distance_m / variance_m2) / (2.0 * geometry::kPi * variance_m2);
   const double stray_m2 = 1.0 / (geometry::kPi * noise.gate_m * noise.gate_m);
   const double pair_m2 = (1.0 - kStrayPair) * near_m2 + kStrayPair * stray_m2;
-  return std::log((1.0 - kRare) * pair_m2 / (kRare * noise.trees_per_m2));
+  return std::log((1.0 - kRare) * pair_m2 / noise.extra_per_m2);
 }
 
 double missing_log_likelihood(double probability_missed) {

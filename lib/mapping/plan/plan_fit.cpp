@@ -23,7 +23,6 @@ using geometry::Pose2;
 /// derived: odds of a thousand to one with four trees counted as one, because neighbouring trees
 /// deviate from the plan together.
 constexpr double kPlacementOddsNeeded = 4.0 * 7.0;
-constexpr double kMappedFractionMin = 0.5;  ///< derived: most mapped trees are in pairs
 /// derived: budgets of directions, of shifts of each, and of placements that are refined.
 constexpr std::size_t kNumTurns = 6;
 constexpr std::size_t kNumShifts = 40;
@@ -38,7 +37,6 @@ class PlanFitter {
       : mapped_(mapped), planned_(planned), missed_(missed), config_(config) {
     spacing_m_ = geometry::typical_spacing_m(planned);
     noise_.gate_m = std::clamp(0.35 * spacing_m_, 0.1, 1.0);
-    noise_.trees_per_m2 = density();
     search_.any_place = config.any_place;
     search_.offset_max_m = config.offset_max_m;
     search_.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;
@@ -218,6 +216,33 @@ class PlanFitter {
     return std::max(kPositionSdMin_m, geometry::robust_sd(std::move(deviations_m)));
   }
 
+  /// Expected number of planned positions at which the drive would have seen a tree.
+  double num_places_seen(const PlanPlacement& placement) const {
+    double num = 0.0;
+    for (const Vector2d& p : planned_.points()) {
+      num += 1.0 - missed_(transform(placement.T_map_plan, p));
+    }
+    return num;
+  }
+
+  /// Noise of a placement when `num_extra` of the mapped trees are not planned.
+  PlanNoise noise_of(const PlanPlacement& placement, std::size_t num_extra,
+                     double num_places_seen) const {
+    PlanNoise noise = noise_;
+    noise.position_sd_m = position_sd_m(placement);
+    noise.extra_per_m2 = density() * std::max(kRare, static_cast<double>(num_extra) /
+                                                         std::max(1.0, num_places_seen));
+    return noise;
+  }
+
+  /// Whether a placement explains the mapped trees better than no plan, by which all are extra:
+  /// trees as dense as bushes are near many places by chance, but not near nearly all.
+  bool is_no_chance(const PlanPlacement& placement, double num_places_seen) const {
+    const PlanNoise noise = noise_of(placement, mapped_.size(), num_places_seen);
+    return plan_log_likelihood(planned_, placement.T_map_plan, placement.pairs, noise, missed_) >
+           kPlacementOddsNeeded;
+  }
+
   PlanFit judge(std::vector<PlanPlacement> placements) {
     PlanFit fit;
     std::stable_sort(placements.begin(), placements.end(),
@@ -225,17 +250,18 @@ class PlanFitter {
                        return p.pairs.size() > q.pairs.size();
                      });
     const std::size_t num_most = placements.empty() ? 0 : placements.front().pairs.size();
+    const double num_seen = placements.empty() ? 0.0 : num_places_seen(placements.front());
     if (num_most < static_cast<std::size_t>(std::max(2, config_.min_pairs)) ||
-        static_cast<double>(num_most) < kMappedFractionMin * static_cast<double>(mapped_.size())) {
-      fit.reason =
-          fmt::format("at most {} of the {} trees of the map match a place of the plan{}", num_most,
-                      mapped_.size(),
-                      config_.any_place ? std::string(" in any placement")
-                                        : fmt::format(" within {:.1f} m and {:.0f} degrees",
-                                                      config_.offset_max_m, config_.turn_max_deg));
+        !is_no_chance(placements.front(), num_seen)) {
+      fit.reason = fmt::format(
+          "at most {} of the {:.0f} places of the plan that the drive saw have a tree{}", num_most,
+          num_seen,
+          config_.any_place ? std::string(" in any placement")
+                            : fmt::format(" within {:.1f} m and {:.0f} degrees",
+                                          config_.offset_max_m, config_.turn_max_deg));
       return fit;
     }
-    noise_.position_sd_m = fit.position_sd_m = position_sd_m(placements.front());
+    fit.noise = noise_ = noise_of(placements.front(), mapped_.size() - num_most, num_seen);
     std::vector<double> log_likelihood;
     std::size_t best = 0;
     for (std::size_t k = 0; k < placements.size(); ++k) {

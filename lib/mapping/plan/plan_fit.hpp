@@ -21,17 +21,17 @@ struct PlanFit {
   AlignmentStatus status = AlignmentStatus::kNone;
   /// The best placement first, then rivals that explain the map about equally well; may be empty.
   std::vector<PlanPlacement> placements;
-  double position_sd_m = 0.0;  ///< of trees about their planned positions, per axis
-  std::string reason;          ///< reason for a failure, a sentence without full stop
+  PlanNoise noise;     ///< of the best placement
+  std::string reason;  ///< reason for a failure, a sentence without full stop
 };
 
 /// Registers the positions of a plan rigidly with the trees of a map.
 ///
 /// With `any_place` of `config` the frames are unrelated; else the plan must be in the map's frame
 /// within the limits of `config`. Every shift and rotation that puts many planned positions onto
-/// trees is evaluated. The best one must beat every other by odds of a thousand to one, with four
-/// trees counted as one, from trees without position and positions without tree where the drive
-/// would have seen one (`missed`). Deterministic.
+/// trees is evaluated. The best one must beat every other, and that none is right and all trees are
+/// extra, by odds of a thousand to one, with four trees counted as one. Positions without tree
+/// count as far as the drive would have seen one (`missed`). Deterministic.
 PlanFit fit_plan(const geometry::IndexedPoints& mapped, const geometry::IndexedPoints& planned,
                  const MissProbability& missed, const MapAlignmentConfig& config);
 

@@ -240,8 +240,6 @@ class PlanMatcher {
     for (const Vector2d& u : directions_along_rows(plan_)) {
       along_.push_back(geometry::rotation(T) * u);
     }
-    noise_.gate_m = kPairReach * spacing_m_;
-    noise_.trees_per_m2 = 1.0 / (spacing_m_ * alley_m_);
   }
 
   /// Index of the planned position nearest to a point; -1 if it is too far from any row.
@@ -250,7 +248,8 @@ class PlanMatcher {
   }
 
   void shift_rows(PlanMatch& match) {
-    noise_.position_sd_m = match.fit.position_sd_m;
+    noise_ = match.fit.noise;
+    noise_.gate_m = kPairReach * spacing_m_;
     const geometry::IndexedPoints places(places_);
     std::vector<RegisteredRow> laid(plan_.rows.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -43,6 +43,26 @@ TEST(Plan, LiesOnAMapOfAnotherFrame) {
   EXPECT_LT((transform(match.T_map_plan(), p) - transform(T, p)).norm(), 0.15);
 }
 
+/// Bushes are extra trees, however many there are: the plan is found by its own places.
+TEST(Plan, BushesAreExtraHoweverManyThereAre) {
+  for (const std::size_t bushes_per_tree : {1, 3}) {
+    Dice dice(20 + bushes_per_tree);
+    PlannedBlock b = plant_to_plan(dice, {});
+    const geometry::Pose2 T{3.0, -2.0, 0.02};
+    DrivenMap map = drive_all(b, T, dice);
+    add_bushes(b, bushes_per_tree * b.block.trees.size(), T, dice, map);
+    for (const bool any_place : {false, true}) {
+      PlanMatchConfig config;
+      config.alignment.any_place = any_place;
+      const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), config);
+      ASSERT_TRUE(match.is_registered()) << bushes_per_tree << ": " << match.fit.reason;
+      EXPECT_EQ(score_of(b, map, b.plan, match).num_misnamed, 0);
+      EXPECT_GE(match.counts[static_cast<std::size_t>(PlanDeviation::kExtra)],
+                static_cast<int>(bushes_per_tree * b.block.trees.size()));
+    }
+  }
+}
+
 TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
   Dice dice(8);
   Planting planting;
@@ -66,18 +86,21 @@ TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
 }
 
 TEST(Plan, AnotherOrchardIsRefused) {
-  Dice dice(9);
-  PlannedBlock b = plant_to_plan(dice, {});
-  OrchardPlan other = b.plan;
-  for (PlannedRow& row : other.rows) {
-    for (PlannedTree& tree : row.trees) tree.p_plan *= 1.37;
+  for (std::uint64_t seed = 9; seed < 15; ++seed) {
+    Dice dice(seed);
+    PlannedBlock b = plant_to_plan(dice, {});
+    OrchardPlan other = b.plan;
+    for (PlannedRow& row : other.rows) {
+      for (PlannedTree& tree : row.trees) tree.p_plan *= 1.37;
+    }
+    DrivenMap map = drive_all(b, {}, dice);
+    if (seed % 2 == 0) add_bushes(b, b.block.trees.size(), {}, dice, map);
+    PlanMatchConfig config;
+    config.alignment.any_place = true;
+    const PlanMatch match = match_plan(other, map.landmarks, seen_by(map), config);
+    EXPECT_FALSE(match.is_registered()) << seed;
+    EXPECT_EQ(match.fit.status, AlignmentStatus::kNone) << seed;
   }
-  const DrivenMap map = drive_all(b, {}, dice);
-  PlanMatchConfig config;
-  config.alignment.any_place = true;
-  const PlanMatch match = match_plan(other, map.landmarks, seen_by(map), config);
-  EXPECT_FALSE(match.is_registered());
-  EXPECT_EQ(match.fit.status, AlignmentStatus::kNone);
 }
 
 TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {

@@ -115,6 +115,25 @@ inline DrivenMap drive_all(PlannedBlock& b, const geometry::Pose2& T_map_block, 
   return drive_through(b.block, drive, dice);
 }
 
+/// Adds what a laser takes for trunks: bushes at random on a headland of 30 m at both ends of the
+/// rows, at least 2 m from the planted ground.
+inline void add_bushes(const PlannedBlock& b, std::size_t num, const geometry::Pose2& T_map_block,
+                       Dice& dice, DrivenMap& map) {
+  const double end_m = (b.block.num_places - 1) * b.block.tree_spacing_m;
+  const double side_m = b.block.num_rows * b.block.row_spacing_m;
+  Landmark bush = map.landmarks.front();
+  for (std::size_t k = 0; k < num; ++k) {
+    const double out_m = dice.uniform(2.0, 30.0), aside_m = dice.uniform(0.0, side_m);
+    const Eigen::Vector2d p =
+        transform(T_map_block, Eigen::Vector2d(k % 2 == 0 ? -out_m : end_m + out_m, aside_m));
+    bush.id = 100000 + static_cast<std::int32_t>(k);
+    bush.x_m = p.x();
+    bush.y_m = p.y();
+    map.landmarks.push_back(bush);
+    map.tree_of.push_back(-1);
+  }
+}
+
 /// How well a match agrees with the truth.
 struct PlanScore {
   int num_named = 0, num_misnamed = 0;
@@ -156,6 +175,10 @@ inline PlanScore score_of(const PlannedBlock& b, const DrivenMap& map, const Orc
   std::set<int> extra_mapped;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const int index = map.tree_of[i];
+    if (index < 0) {  // a bush has no name
+      score.num_misnamed += name_of[i].first.empty() ? 0 : 1;
+      continue;
+    }
     const TrueTree& t = b.block.trees[static_cast<std::size_t>(index)];
     if (b.extra.count(index) > 0) {
       extra_mapped.insert(index);

@@ -151,7 +151,7 @@ void add_view(CLI::App& app, Run& run) {
 
 using mapping::CorrectionKind;
 
-/// The subcommands of `orchard edit MAP`; they share one options struct, since only one can be
+/// The subcommands of `orchard edit`; they share one options struct, since only one can be
 /// given.
 class EditCommands {
  public:
@@ -170,6 +170,7 @@ class EditCommands {
   CLI::App& add(const char* name, const char* description, const char* examples,
                 int (*function)(const EditOptions&), CorrectionKind kind = CorrectionKind::kNote) {
     CLI::App& command = add_subcommand(edit_, name, description, examples);
+    add_required(command, "map", options_->map_folder, "FOLDER", "map folder");
     on_command(command, [&run = run_, &edit = edit_, options = options_, function, kind] {
       options->kind = kind;
       run = [&edit, options, function] { return run_command(edit, function, *options); };
@@ -199,36 +200,36 @@ class EditCommands {
 
 void add_tree_words(EditCommands& words) {
   words.tree(words.add(CorrectionKind::kDelete, "Delete a landmark that does not exist",
-                       "  orchard edit out/drive delete 17 --who Ana --note \"a shadow\"\n"));
+                       "  orchard edit delete out/drive 17 --who Ana --note \"a shadow\"\n"));
   CLI::App& add = words.add(CorrectionKind::kAdd, "Add a tree or object that the map lacks",
-                            "  orchard edit out/drive add 3/14            (in the gap of row 3)\n"
-                            "  orchard edit out/drive add --at 12.5 3.0 --width 0.12\n"
-                            "  orchard edit out/drive add --at 1.0 -4.2 --class object\n");
+                            "  orchard edit add out/drive 3/14            (in the gap of row 3)\n"
+                            "  orchard edit add out/drive --at 12.5 3.0 --width 0.12\n"
+                            "  orchard edit add out/drive --at 1.0 -4.2 --class object\n");
   add_value(add, "gap", words.options().tree, "ROW/TREE", "row/tree of a gap in a row");
   words.at(add, 2, "position [m, map frame]");
   words.class_word(add, "--class");
   add.add_option("--width", words.options().width_m, "width of the trunk, if measured [m]")
       ->check(CLI::Range(0.001, 100.0));
   CLI::App& move = words.add(CorrectionKind::kMove, "Move a landmark",
-                             "  orchard edit out/drive move 17 --at 12.5 3.0\n");
+                             "  orchard edit move out/drive 17 --at 12.5 3.0\n");
   words.tree(move);
   words.at(move, 2, "true position [m, map frame]")->required();
   CLI::App& label = words.add(CorrectionKind::kClass, "Change the class of a landmark",
-                              "  orchard edit out/drive class 17 object\n");
+                              "  orchard edit class out/drive 17 object\n");
   words.tree(label);
   label.add_option("class", words.options().class_word, "true class: tree or object")
       ->required()
       ->check(CLI::IsMember({"tree", "object"}));
   CLI::App& merge = words.add(
       CorrectionKind::kMerge, "Merge landmarks that are one tree or object",
-      "  orchard edit out/drive merge 17 18\n"
+      "  orchard edit merge out/drive 17 18\n"
       "The first keeps its id; the position is that of the landmark with the most observations.\n");
   add_required(merge, "trees", words.options().trees, "ID|ROW/TREE...",
                "ids (17) or row/tree (3/14) of the landmarks")
       ->expected(2, 100);
   CLI::App& split =
       words.add(CorrectionKind::kSplit, "Split a landmark that is two trees or objects",
-                "  orchard edit out/drive split 17 --at 12.1 3.0 12.9 3.0\n"
+                "  orchard edit split out/drive 17 --at 12.1 3.0 12.9 3.0\n"
                 "The landmark at the first position keeps the id.\n");
   words.tree(split);
   words.at(split, 4, "positions of both [m, map frame]")->required()->type_name("X1 Y1 X2 Y2");
@@ -236,12 +237,12 @@ void add_tree_words(EditCommands& words) {
 
 void add_number_words(EditCommands& words) {
   CLI::App& row = words.add(CorrectionKind::kRowName, "Name a row",
-                            "  orchard edit out/drive row 3 \"by the road\"\n");
+                            "  orchard edit row out/drive 3 \"by the road\"\n");
   row.add_option("row", words.options().row, "number of the row, or its current name")->required();
   row.add_option("name", words.options().name, "new name of the row")->required();
   CLI::App& renumber =
       words.add(CorrectionKind::kRenumber, "Change the row and the number of a tree",
-                "  orchard edit out/drive renumber 17 --row 3 --position 14\n");
+                "  orchard edit renumber out/drive 17 --row 3 --position 14\n");
   words.tree(renumber);
   renumber.add_option("--row", words.options().row, "number or name of the row")->required();
   renumber
@@ -249,7 +250,7 @@ void add_number_words(EditCommands& words) {
       ->required()
       ->check(CLI::Range(0, 1000000));
   CLI::App& note = words.add(CorrectionKind::kNote, "Attach a note to a landmark",
-                             "  orchard edit out/drive note 3/14 \"grafted in March\"\n");
+                             "  orchard edit note out/drive 3/14 \"grafted in March\"\n");
   words.tree(note);
   add_required(note, "text", words.options().note, "TEXT", "the note, one line");
 }
@@ -260,21 +261,21 @@ void add_history_words(EditCommands& words) {
     CLI::App& command = words.add(
         kind, undoes ? "Undo a correction" : "Redo an undone correction",
         undoes
-            ? "  orchard edit out/drive undo         (the last)\n  orchard edit out/drive undo 7\n"
-            : "  orchard edit out/drive redo         (what was undone last)\n");
+            ? "  orchard edit undo out/drive         (the last)\n  orchard edit undo out/drive 7\n"
+            : "  orchard edit redo out/drive         (what was undone last)\n");
     command.add_option("number", words.options().of, "number of the correction [the last]")
         ->check(CLI::Range(1, 2147483646));
   }
   CLI::App& list = words.add("list", "List all corrections and whether each was applied",
-                             "  orchard edit out/drive list --json\n", run_edit_list);
+                             "  orchard edit list out/drive --json\n", run_edit_list);
   list.add_flag("--json", words.options().json, "print JSON");
   CLI::App& check = words.add(
       "check", "List corrections that conflict with the map; exit code 3 if there are any",
-      "  orchard edit out/drive check && echo sound\n", run_edit_check);
+      "  orchard edit check out/drive && echo sound\n", run_edit_check);
   check.add_flag("--json", words.options().json, "print JSON");
   CLI::App& apply = words.add(
       "apply", "Write the corrected map to a new folder",
-      "  orchard edit out/drive apply --out out/corrected     (map.html, map.gpkg, map.csv ...)\n",
+      "  orchard edit apply out/drive --out out/corrected     (map.html, map.gpkg, map.csv ...)\n",
       run_edit_apply);
   add_required(apply, "--out", words.options().out_folder, "DIR",
                "folder for the map; created if it does not exist");
@@ -284,13 +285,12 @@ void add_edit(CLI::App& app, Run& run) {
   const auto options = std::make_shared<EditOptions>();
   CLI::App& edit = add_subcommand(
       app, "edit", "Correct a map by hand; corrections are kept when the orchard is mapped again",
-      "  orchard edit out/drive delete 17 --note \"a shadow\"\n"
-      "  orchard edit out/drive add 3/14\n"
-      "  orchard edit out/drive list\n"
+      "  orchard edit delete out/drive 17 --note \"a shadow\"\n"
+      "  orchard edit add out/drive 3/14\n"
+      "  orchard edit list out/drive\n"
       "Corrections are saved in corrections.jsonl beside the map; the map itself is not changed.\n"
       "`orchard map --previous` applies them to the next map by id and position, and reports\n"
       "conflicts.\n");
-  add_required(edit, "map", options->map_folder, "FOLDER", "map folder");
   edit.require_subcommand(1);
   EditCommands words(edit, run, options);
   add_tree_words(words);

@@ -1,25 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced by manual_pages.sh and completion.sh: reads the --help of the programs.
 
-# typed COMMAND...: how it is typed: a command that takes arguments before its subcommand, as in
-# "orchard edit map add", has their names in their places.
-typed() {
-  local typed=$1 path=("$1") word
-  for word in "${@:2}"; do
-    typed+="$(help_text "${path[@]}" | sed -n 's/^Usage:.* \[OPTIONS\]\( .*\) COMMAND$/\1/p') $word"
-    path+=("$word")
-  done
-  echo "$typed"
-}
-
 # help_text COMMAND...: the output of its --help; each command is run once.
 help_text() {
-  local file words
+  local file
   file=$help_texts/$(IFS=_; echo "$*")
-  if [ ! -f "$file" ]; then
-    read -r -a words <<<"$(typed "$@")"
-    "${words[@]}" --help >"$file"
-  fi
+  [ -f "$file" ] || "$@" --help >"$file"
   cat "$file"
 }
 help_texts=$(mktemp -d)

@@ -16,7 +16,7 @@ page() {  # page COMMAND...
   title=$(IFS=-; echo "$*")
   what=$(help_text "$@" | sed -n 1p | sed 's/^[A-Z][a-z]* Mapper: //')
   help2man --no-info --version-string="$version" --name="${what,}" --manual="Orchard Mapper" \
-    --source="Orchard Mapper $version" "$(typed "$@")" |
+    --source="Orchard Mapper $version" "$*" |
     awk -v title="${title^^}" '
       /^\.TH / { sub(/^\.TH [^"]*"[^"]*"( "1")?/, ".TH " title " \"1\"") }
       name { sub(/^.* \\- /, tolower(title) " \\- "); name = 0 }

@@ -110,7 +110,7 @@ const mapping::Landmark& landmark_named(const CorrectedMapFolder& map, const std
                                     [&](const mapping::Landmark& l) { return l.id == *id; });
     if (found != landmarks.end()) return *found;
     throw FileError(map.mapped.name + " has no landmark " + name +
-                    ", or it was deleted (`orchard edit MAP list`)");
+                    ", or it was deleted (`orchard edit list MAP`)");
   }
   const RowAndTree number = row_and_tree(map, name);
   const auto found = std::find_if(landmarks.begin(), landmarks.end(), [&](const auto& l) {

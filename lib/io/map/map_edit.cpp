@@ -66,7 +66,7 @@ std::int32_t number_to_turn(const MapEdit& edit, const std::vector<Correction>& 
                     (undoes ? " is undone already" : " is applied already"));
   }
   throw FileError("no correction has number " + std::to_string(edit.of) +
-                  "; list them with `orchard edit MAP list`");
+                  "; list them with `orchard edit list MAP`");
 }
 
 /// Number of a row; a row without trees is new.

@@ -117,7 +117,7 @@ class EditReader {
     if (e.note.empty()) {
       result_.left_out.push_back(
           std::to_string(now.id) +
-          ": a note cannot be removed this way; use `orchard edit MAP undo`");
+          ": a note cannot be removed this way; use `orchard edit undo MAP`");
       return;
     }
     const bool is_longer = !was.empty() && e.note.rfind(was + "; ", 0) == 0;

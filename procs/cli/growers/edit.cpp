@@ -77,7 +77,7 @@ int run_edit(const EditOptions& options) {
   }
   using mapping::CorrectionKind;
   if (options.kind != CorrectionKind::kUndo && options.kind != CorrectionKind::kRedo) {
-    std::printf("  to undo it: `orchard edit %s undo`\n", options.map_folder.c_str());
+    std::printf("  to undo it: `orchard edit undo %s`\n", options.map_folder.c_str());
   }
   return bus::kExitOk;
 }
@@ -207,7 +207,7 @@ void print(const ImportEditsOptions& options, const std::vector<Correction>& add
   for (const std::string& sentence : conflicts) std::printf("conflict: %s\n", sentence.c_str());
   for (const std::string& sentence : left_out) std::printf("left out: %s\n", sentence.c_str());
   if (!added.empty() && !options.dry_run) {
-    std::printf("  list all corrections with `orchard edit %s list`, undo one with `undo`\n",
+    std::printf("  list all corrections with `orchard edit list %s`, undo one with `undo`\n",
                 options.map_folder.c_str());
   }
 }

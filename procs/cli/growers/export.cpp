@@ -103,7 +103,7 @@ int run_export(const ExportOptions& options) {
   if (num_conflicts > 0) {
     std::fprintf(stderr,
                  "orchard export: warning: %d corrections conflict with the map and are not "
-                 "applied; list them with `orchard edit %s check`\n",
+                 "applied; list them with `orchard edit check %s`\n",
                  num_conflicts, options.map_path.c_str());
   }
   (options.json ? print_json : print_words)(options, format, *file, map);

@@ -222,7 +222,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
                 kept->numbers.num_found, kept->numbers.num_gone, kept->numbers.num_new);
   }
   if (!corrections.empty()) {
-    std::printf("corrections by hand: %s (`orchard edit %s list`)\n", corrections.c_str(),
+    std::printf("corrections by hand: %s (`orchard edit list %s`)\n", corrections.c_str(),
                 options.out_folder.c_str());
   }
   std::printf(

@@ -70,7 +70,7 @@ struct MergeOptions {
 /// the orchard, and all are rejected.
 [[gnu::weak]] int run_merge(const MergeOptions& options);
 
-/// `orchard edit MAP KIND ...`.
+/// `orchard edit KIND MAP ...`.
 struct EditOptions {
   std::string map_folder;
   mapping::CorrectionKind kind = mapping::CorrectionKind::kNote;

@@ -241,7 +241,7 @@ int run_merge(const MergeOptions& options) {
     if (!std::filesystem::is_directory(path) || io::read_corrections(path).list.empty()) continue;
     content.summary.warnings.push_back("corrections of " + path +
                                        " are not merged; to include them, write a corrected map "
-                                       "with `orchard edit MAP apply` and merge that");
+                                       "with `orchard edit apply MAP` and merge that");
     std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
   }
   EarlierIdentity kept;

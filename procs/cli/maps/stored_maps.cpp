@@ -22,7 +22,7 @@ MapInput read_map_input(const char* command, const std::string& path, bool as_ma
   if (num_conflicts > 0) {
     std::fprintf(stderr,
                  "%s: warning: %d corrections conflict with the map and are not applied; list them "
-                 "with `orchard edit %s check`\n",
+                 "with `orchard edit check %s`\n",
                  command, num_conflicts, path.c_str());
   }
   MapInput input{folder.mapped, folder.mapped, folder.corrected.row_names};

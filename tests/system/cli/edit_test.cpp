@@ -175,7 +175,8 @@ class EditCommand : public CliTest {
     write_file(map_ + "/map.csv", numbered_trees());
   }
   Result edit(std::vector<std::string> words) const {
-    words.insert(words.begin(), {"edit", map_});
+    words.insert(words.begin() + 1, map_);
+    words.insert(words.begin(), "edit");
     return orchard(words);
   }
   Json list() const { return Json::parse(edit({"list", "--json"}).out); }
@@ -233,7 +234,7 @@ TEST_F(EditCommand, RefusesWhatContradictsTheMap) {
   const Result misspelt = edit({"delte", "3"});
   EXPECT_EQ(misspelt.exit_code, 2);
   EXPECT_THAT(misspelt.err, HasSubstr("did you mean delete?"));
-  EXPECT_EQ(orchard({"edit", map_ + "/map.csv", "delete", "3"}).exit_code, 3);
+  EXPECT_EQ(orchard({"edit", "delete", map_ + "/map.csv", "3"}).exit_code, 3);
 }
 
 TEST_F(EditCommand, TwoEditorsAtOnceLoseNothing) {
@@ -294,7 +295,8 @@ TEST_F(EditCommand, IsCarriedToTheNextMap) {
       0);
   ASSERT_EQ(orchard({"map", drive, "--out", a, "--quiet"}).exit_code, 0);
   const auto at_a = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"edit", a});
+    words.insert(words.begin() + 1, a);
+    words.insert(words.begin(), "edit");
     return orchard(words).exit_code;
   };
   ASSERT_EQ(at_a({"delete", "2"}), 0);
@@ -309,7 +311,7 @@ TEST_F(EditCommand, IsCarriedToTheNextMap) {
   EXPECT_TRUE(read_file(b + "/corrections.jsonl") == read_file(a + "/corrections.jsonl"));
   // Once more into the same folder: nothing of anybody would be lost, until somebody edits there.
   EXPECT_EQ(orchard({"map", drive, "--previous", a, "--out", b, "--quiet"}).exit_code, 0);
-  ASSERT_EQ(orchard({"edit", b, "delete", "5"}).exit_code, 0);
+  ASSERT_EQ(orchard({"edit", "delete", b, "5"}).exit_code, 0);
   const Result refused = orchard({"map", drive, "--previous", a, "--out", b});
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err, HasSubstr("has correction 4"));
@@ -332,7 +334,7 @@ TEST_F(EditCommand, ComparisonKnowsWhatPeopleSaid) {
   EXPECT_EQ(changes({})["new"], 0);
   EXPECT_EQ(changes({})["grown"], 0);  // its width is not known, and so has not changed
   EXPECT_EQ(changes({"--as-mapped"})["new"], 1);
-  ASSERT_EQ(orchard({"edit", path("later"), "delete", "14"}).exit_code, 0);
+  ASSERT_EQ(orchard({"edit", "delete", path("later"), "14"}).exit_code, 0);
   EXPECT_EQ(changes({})["missing"], 1);  // what a person added, another one deleted
 }
 

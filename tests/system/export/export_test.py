@@ -56,7 +56,7 @@ class Export(unittest.TestCase):
                        maps.datum(LATITUDE, LONGITUDE) if georeferenced else None)
 
     def edit(self, *words):
-        done = subprocess.run([ORCHARD, "edit", self.map, *words], capture_output=True, text=True)
+        done = subprocess.run([ORCHARD, "edit", words[0], self.map, *words[1:]], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def run_export(self, word, *more, out=None):

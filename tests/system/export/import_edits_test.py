@@ -72,7 +72,7 @@ class ImportEdits(unittest.TestCase):
         return path
 
     def corrected(self):
-        self.orchard("edit", self.map, "apply", "--out", self.folder + "/after")
+        self.orchard("edit", "apply", self.map, "--out", self.folder + "/after")
         with open(self.folder + "/after/map.csv", encoding="ascii") as file:
             return {int(row["id"]): row for row in csv.DictReader(file)}
 
@@ -82,8 +82,8 @@ class ImportEdits(unittest.TestCase):
     def check_all_kinds(self, georeferenced):
         self.write_map(georeferenced)
         # What was corrected before is no edit.
-        self.orchard("edit", self.map, "delete", "110")
-        self.orchard("edit", self.map, "note", "101", "old")
+        self.orchard("edit", "delete", self.map, "110")
+        self.orchard("edit", "note", self.map, "101", "old")
         path = self.exported()
         self.assertEqual(self.come_back(path)["added"], 0)
 
@@ -139,8 +139,8 @@ class ImportEdits(unittest.TestCase):
     def test_what_others_said_since_is_a_conflict(self):
         self.write_map(georeferenced=False)
         path = self.exported()
-        self.orchard("edit", self.map, "delete", "105")
-        self.orchard("edit", self.map, "renumber", "106", "--row", "9", "--position", "9")
+        self.orchard("edit", "delete", self.map, "105")
+        self.orchard("edit", "renumber", self.map, "106", "--row", "9", "--position", "9")
         with opened(path) as database:
             database.execute("UPDATE landmarks SET class = 'object' WHERE id = 105")
             database.execute("UPDATE landmarks SET row = 9, position = 9 WHERE id = 107")

@@ -171,7 +171,7 @@ class OneMap(unittest.TestCase):
         edited = self.folder + "/edited"
         shutil.copytree(self.map, edited)
         gone = next(i for i, (row, position) in self.numbers.items() if row == 2 and position == 4)
-        run("edit", edited, "delete", str(gone))
+        run("edit", "delete", edited, str(gone))
         paths = [self.export()]
         paths.append(self.folder + "/after.gpkg")
         run("export", edited, "--format", "gpkg", "--out", paths[1], "--overwrite")

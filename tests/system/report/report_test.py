@@ -149,8 +149,8 @@ def main(bin_folder, rig, folder):
 
     # What people corrected counts; --as-mapped is the map of the run.
     tree = next(l for l in landmarks if l["class"] == "tree" and l["row"])
-    orchard(bin_folder, "edit", here, "class", tree["id"], "object")
-    orchard(bin_folder, "edit", here, "row", tree["row"], "by the road")
+    orchard(bin_folder, "edit", "class", here, tree["id"], "object")
+    orchard(bin_folder, "edit", "row", here, tree["row"], "by the road")
     orchard(bin_folder, "report", here, "--out", again)
     check_csv(os.path.join(again, "report.csv"),
               [dict(l, **({"class": "object", "row": "", "position": ""} if l is tree else {})) for l in landmarks])

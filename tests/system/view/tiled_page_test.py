@@ -130,7 +130,7 @@ def check_correction(page, bin_folder, folder, tree):
     """A tree that somebody deletes meanwhile goes from the page."""
     go_to(page, tree)
     assert page.run(f"return orchardApp.model.withId({tree['id']})") >= 0
-    subprocess.run([bin_folder + "/orchard", "edit", folder, "delete", tree["id"]], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([bin_folder + "/orchard", "edit", "delete", folder, tree["id"]], check=True, stdout=subprocess.DEVNULL)
     page.wait(f"return orchardApp.model.count > 0 && orchardApp.model.withId({tree['id']}) < 0", "the correction", 120)
     page.wait(f"return orchardApp.model.totals[0] === {NUM_ROWS * NUM_PLACES - 1}", "the number", 30)
 
@@ -140,7 +140,7 @@ def main():
     bin_folder, pictures = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else ""
     with tempfile.TemporaryDirectory() as folder:
         write_map(folder + "/map")
-        subprocess.run([bin_folder + "/orchard", "edit", folder + "/map", "apply", "--out", folder + "/whole"], check=True,
+        subprocess.run([bin_folder + "/orchard", "edit", "apply", folder + "/map", "--out", folder + "/whole"], check=True,
                        stdout=subprocess.DEVNULL)
         trees = trees_of(folder + "/whole")
         with browser.Browser() as page:

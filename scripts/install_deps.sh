@@ -17,8 +17,8 @@ esac
 packages=(
   # toolchain
   build-essential cmake ninja-build pkg-config
-  # messages: the library, lcm-gen/lcm-logger/lcm-spy, and Java for the types' jar and lcm-spy
-  liblcm-dev liblcm-bin liblcm-java libjchart2d-java default-jdk-headless
+  # messages: the library, lcm-gen/lcm-logger/lcm-spy, and Java for the types' jar and, with windows, lcm-spy
+  liblcm-dev liblcm-bin liblcm-java libjchart2d-java default-jdk-headless default-jre
   # mathematics, poses, rawlogs, geodesy
   libeigen3-dev libceres-dev libmetis-dev libmrpt-poses-dev libmrpt-obs-dev libgeographiclib-dev
   # images

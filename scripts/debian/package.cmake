@@ -15,6 +15,13 @@ install(FILES scripts/examples/README.md scripts/examples/send.cpp scripts/examp
 install(FILES scripts/figures/demo_map.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/scripts/figures)
 
 # ---- what Debian wants beside it ----
+include(scripts/debian/maintainer.cmake)
+if(NOT ORCHARD_MAINTAINER)
+  set(ORCHARD_MAINTAINER "Orchard Mapper authors")
+  if(DEFINED ENV{DEBEMAIL})
+    set(ORCHARD_MAINTAINER "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+  endif()
+endif()
 set(package_dir ${CMAKE_BINARY_DIR}/debian)
 configure_file(scripts/debian/changelog.in ${package_dir}/changelog.Debian @ONLY)
 find_program(GZIP gzip REQUIRED)
@@ -33,7 +40,8 @@ endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME orchard-mapper)
-set(CPACK_PACKAGE_CONTACT "Orchard Mapper maintainers <maintainers@orchard-mapper.invalid>")
+set(CPACK_PACKAGE_CONTACT ${ORCHARD_MAINTAINER})
+set(CPACK_DEBIAN_PACKAGE_HOMEPAGE ${ORCHARD_HOMEPAGE})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL main dev)
@@ -47,9 +55,9 @@ set(CPACK_DEBIAN_MAIN_PACKAGE_NAME ${main_package})
 set(CPACK_DEBIAN_MAIN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "fonts-dejavu-core")  # what figures are written with
-set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2, chrony")
+set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2, chrony, default-jre, liblcm-java, libjchart2d-java")
 set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/scripts/debian/postinst)
-set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, default-jre, liblcm-java, libjchart2d-java, qgis, supervisor, nftables, snakemake")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, qgis, supervisor, nftables, snakemake")
 set(CPACK_DEBIAN_MAIN_DESCRIPTION "maps of tree trunks from laser scans and camera images
 A robot with a 2D laser scanner and a camera drives through an orchard. Orchard
 Mapper turns what they see into a map of every tree trunk and every other

@@ -30,6 +30,8 @@ for program in debootstrap lintian; do
 done
 [ -n "$mirror" ] || mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' | head -n 1)
 
+dpkg-deb --field "$deb" Maintainer | grep -q '@' ||
+  fail "the package names no address: fill in scripts/debian/maintainer.cmake, or set DEBFULLNAME and DEBEMAIL"
 echo "== lintian $(basename "$deb")"
 lintian --fail-on error "$deb"
 

@@ -59,6 +59,10 @@ find . \( -path ./.git -o -path './build*' -o -path ./out -o -path ./tests/data 
   grep -v '^\./tests/system/house/' |
   violations "no absolute path of one machine"
 
+# nobody can be reached there (RFC 2606)
+git ls-files 2>/dev/null | grep -v '^tests/' | search '[@.a-z-]\.(invalid|test)\b' |
+  violations "no address that cannot exist"
+
 # 7. files that can be read in one sitting
 sources lib procs tests | xargs -r wc -l | awk '$2 != "total" && $1 > 600 { print $2 ": " $1 " lines" }' |
   violations "no source file over 600 lines"

@@ -39,6 +39,10 @@ for script in scripts/*.sh tests/*/*.sh; do
   [ $code -eq 2 ] || wrong "$script" "an unknown option ends with exit code $code"
   grep -q -- '--help' <<<"$said" || wrong "$script" "an unknown option gets no pointer to --help"
 done
+# What a script asks its user to install, install_deps installs.
+for package in $(grep -ho 'apt-get install [-a-z0-9 ]*' scripts/spy.sh | sed 's/apt-get install//; s/--[-a-z]*//g'); do
+  grep -qw -- "$package" scripts/install_deps.sh || wrong scripts/install_deps.sh "does not install $package"
+done
 [ $num -gt 10 ] || wrong scripts "only $num of them were found"
 cd "$1" || exit 2
 for program in tests/experiments/experiment tests/field/field.py; do

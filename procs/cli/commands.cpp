@@ -435,9 +435,11 @@ void add_overlay(CLI::App& app, Run& run) {
       "  orchard overlay drive.lcm --at 1385942412500000 --config mine.yaml --out overlay.png\n"
       "Shows the scan points coloured by range (red near, blue far), the colour windows (white),\n"
       "the edge windows (grey) with the edge columns that the laser predicts (ticks), the edges\n"
-      "found (cyan), and the confidences (below).\n",
+      "found (cyan), and the confidences (below). Of a rig without a camera, shows the scan from\n"
+      "above: returns, objects with their widths, and what is refused and why.\n",
       run_overlay, [](CLI::App& command, OverlayOptions& o) {
-        add_required(command, "log", o.log_path, "LOG", "log with SCAN and IMAGE");
+        add_required(command, "log", o.log_path, "LOG",
+                     "log with SCAN and, of a rig with a camera, IMAGE");
         add_required(command, "--at", o.at, "TIME",
                      "seconds since the start of the log, or a utime [us]; draws the nearest "
                      "pair of scan and picture");

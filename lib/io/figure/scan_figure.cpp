@@ -4,10 +4,13 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "geometry/pose2.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "laser/segment.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -15,8 +18,9 @@ namespace {
 constexpr double kSide_px = 900.0;
 constexpr double kScanTop_px = 76.0;
 constexpr int kArcSteps = 90;
-constexpr Colour kReturn{40, 70, 160}, kRound{30, 140, 60}, kBlind{200, 40, 30},
-    kReach{150, 150, 150};
+constexpr double kLabel_px = 11.0;
+constexpr Colour kReturn{40, 70, 160}, kRound{30, 140, 60}, kRefused{200, 120, 20},
+    kBlind{200, 40, 30}, kReach{150, 150, 150};
 
 /// A page in base: x up, y to the left.
 class Above {
@@ -68,6 +72,65 @@ void draw_blind(const Above& above, const laser::BlindSector& blind, double reac
   canvas.polygon(sector, std::nullopt, kBlind, 1.5);
 }
 
+bool contains(const laser::Segment& s, std::size_t beam) {
+  if (s.first_beam <= s.last_beam) return s.first_beam <= beam && beam <= s.last_beam;
+  return beam >= s.first_beam || beam <= s.last_beam;  // across the scan's seam
+}
+
+/// What would be objects, were they neither too wide nor hit by too few beams.
+std::vector<laser::Segment> refused_segments(const laser::Scan& scan,
+                                             const laser::LaserConfig& laser,
+                                             const laser::SegmentationConfig& segmentation,
+                                             const laser::WidthConfig& width,
+                                             const std::vector<laser::Segment>& taken) {
+  laser::SegmentationConfig any = segmentation;
+  any.min_beams = 1;
+  any.width_max_m = 2.0 * segmentation.range_max_m;  // nothing wider is in reach
+  std::vector<laser::Segment> refused = laser::segment(scan, any, width, laser);
+  const auto is_taken = [&](const laser::Segment& s) {
+    return (s.num_beams >= segmentation.min_beams && s.width_m <= segmentation.width_max_m) ||
+           std::any_of(taken.begin(), taken.end(),
+                       [&](const auto& other) { return contains(s, other.middle_beam); });
+  };
+  refused.erase(std::remove_if(refused.begin(), refused.end(), is_taken), refused.end());
+  return refused;
+}
+
+/// A ring as wide as the object, and what there is to say of it.
+void draw_segment(const Above& above, const laser::Segment& s, const std::string& words,
+                  Colour colour, LabelPlacement& labels, Canvas& canvas) {
+  const PixelPoint middle = above.laser(s.range_m + 0.5 * s.width_m, s.bearing_rad);
+  const double radius_px = std::max(4.0, above.pixels(0.5 * s.width_m));
+  std::vector<PixelPoint> ring;
+  for (int k = 0; k <= kArcSteps; ++k) {
+    const double angle = 2.0 * geometry::kPi * k / kArcSteps;
+    ring.push_back(
+        {middle.x + radius_px * std::cos(angle), middle.y + radius_px * std::sin(angle)});
+  }
+  canvas.polyline(ring, colour, 1.5);
+  draw_label(middle, radius_px, words, kLabel_px, colour, labels, &canvas);
+}
+
+std::string centimetres(double length_m) { return fixed_text(100.0 * length_m, 0) + " cm"; }
+
+void draw_segments(const Above& above, const laser::Scan& scan, const laser::LaserConfig& laser,
+                   const laser::SegmentationConfig& segmentation, const laser::WidthConfig& width,
+                   Canvas& canvas) {
+  LabelPlacement labels(above.box());
+  const std::vector<laser::Segment> taken = laser::segment(scan, segmentation, width, laser);
+  for (const laser::Segment& s : taken) {
+    draw_segment(above, s, centimetres(s.width_m), kRound, labels, canvas);
+  }
+  for (const laser::Segment& s : refused_segments(scan, laser, segmentation, width, taken)) {
+    const bool is_wide = s.width_m > segmentation.width_max_m;
+    draw_segment(
+        above, s,
+        centimetres(s.width_m) +
+            (is_wide ? ": too wide" : ": too few beams (" + std::to_string(s.num_beams) + ")"),
+        kRefused, labels, canvas);
+  }
+}
+
 }  // namespace
 
 std::string scan_figure(const laser::Scan& scan, const laser::LaserConfig& laser,
@@ -82,26 +145,18 @@ std::string scan_figure(const laser::Scan& scan, const laser::LaserConfig& laser
   canvas.polyline(above.arc(segmentation.range_max_m, -geometry::kPi, geometry::kPi), kReach, 1.0,
                   true);
   draw_blind(above, segmentation.blind_sector(), reach_m, canvas);
+  draw_segments(above, scan, laser, segmentation, width, canvas);
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!scan.valid(i) || scan.ranges_m[i] > reach_m) continue;
     canvas.circle(above.laser(scan.ranges_m[i], scan.bearing_rad(static_cast<double>(i))), 1.5,
                   kReturn, kReturn);
-  }
-  for (const laser::Segment& s : laser::segment(scan, segmentation, width, laser)) {
-    const PixelPoint middle = above.laser(s.range_m + 0.5 * s.width_m, s.bearing_rad);
-    const double radius = std::max(4.0, above.pixels(0.5 * s.width_m));
-    std::vector<PixelPoint> ring;
-    for (int k = 0; k <= kArcSteps; ++k) {
-      const double angle = 2.0 * geometry::kPi * k / kArcSteps;
-      ring.push_back({middle.x + radius * std::cos(angle), middle.y + radius * std::sin(angle)});
-    }
-    canvas.polyline(ring, kRound, 1.5);
   }
   draw_robot(above, canvas);
   canvas.text({above.box().x0, 26.0}, title, {16.0, kBlack});
   const auto dot = [](PixelPoint at, Canvas& c) { c.circle(at, 2.0, kReturn, kReturn); };
   Legend({{"return", dot},
           line_item("object, as wide as it was measured", kRound),
+          line_item("refused", kRefused),
           line_item("blind sector", kBlind),
           line_item("reach of the detector", kReach)},
          above.box().width())

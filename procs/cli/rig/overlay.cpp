@@ -16,9 +16,11 @@
 #include "detection/trunk_view.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/overlay_figure.hpp"
+#include "io/figure/scan_figure.hpp"
 #include "io/file_error.hpp"
 #include "log_player/replay_rig.hpp"
 #include "text/number_text.hpp"
+#include "timing/drive_time.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::cli {
@@ -33,10 +35,12 @@ constexpr double kMargin_s = 1.5;
 /// A node that keeps the pair nearest to a time; sends nothing.
 class NearestPair : public bus::Node {
  public:
+  /// Without a camera, a scan is enough.
   NearestPair(const io::Config& config, std::int64_t utime)
       : pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
                 config.detector.use_odometry, config.camera.delay_s),
-        utime_(utime) {}
+        utime_(utime),
+        needs_image_(config.camera.enabled) {}
 
   std::string_view name() const override { return "overlay"; }
   std::vector<bus::Channel> inputs() const override {
@@ -59,7 +63,9 @@ class NearestPair : public bus::Node {
  private:
   void keep(std::vector<detection::ScanImagePair> pairs) {
     for (auto& pair : pairs) {
-      if (!pair.image || distance_us(pair) > static_cast<std::int64_t>(1e6 * kReach_s)) continue;
+      if ((needs_image_ && !pair.image) ||
+          distance_us(pair) > static_cast<std::int64_t>(1e6 * kReach_s))
+        continue;
       if (!nearest_ || distance_us(pair) < distance_us(*nearest_)) nearest_ = std::move(pair);
     }
   }
@@ -69,6 +75,7 @@ class NearestPair : public bus::Node {
 
   detection::ScanImagePairer pairer_;
   std::int64_t utime_;
+  bool needs_image_;
   std::optional<detection::ScanImagePair> nearest_;
 };
 
@@ -84,6 +91,17 @@ std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& 
                         "); give --at within it");
   }
   return std::llround(at_us);
+}
+
+/// The time of the scan nearest to another; that time if there is no scan.
+std::int64_t nearest_scan(const bus::ReplayIndex& index, std::int64_t utime) {
+  std::optional<std::int64_t> nearest;
+  for (const auto& entry : index.entries) {
+    const std::int64_t at = timing::utime_of(entry.drive_time);
+    if (entry.channel != bus::Channel::kScan) continue;
+    if (!nearest || std::llabs(at - utime) < std::llabs(*nearest - utime)) nearest = at;
+  }
+  return nearest.value_or(utime);
 }
 
 void require_channel(const OverlayOptions& options, const bus::ReplayIndex& index,
@@ -107,6 +125,11 @@ std::vector<io::OverlayPoint> points_of(const laser::Scan& scan, const detection
     if (pixel) points.push_back({pixel->x(), pixel->y(), range_m});
   }
   return points;
+}
+
+std::string scan_words(const laser::Scan& scan, std::int64_t first_utime) {
+  return "scan " + fixed_text(1e-6 * static_cast<double>(scan.utime - first_utime), 3) +
+         " s (utime " + std::to_string(scan.utime) + ")";
 }
 
 io::OverlayContent content_of(const OverlayOptions& options, const detection::ScanImagePair& pair,
@@ -149,9 +172,7 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
   }
   const std::string exposed = fmt::format(
       "{:+.3f}", 1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
-  content.title = "scan " +
-                  fixed_text(1e-6 * static_cast<double>(pair.scan.utime - first_utime), 3) +
-                  " s (utime " + std::to_string(pair.scan.utime) + "), picture " + exposed + " s" +
+  content.title = scan_words(pair.scan, first_utime) + ", picture " + exposed + " s" +
                   (motion ? ", moved by odometry" : "") + "; points red near, blue far";
   if (num_outside > 0) content.title += "; " + std::to_string(num_outside) + " more outside";
   content.picture = std::move(*picture);
@@ -166,15 +187,13 @@ int run_overlay(const OverlayOptions& options) {
     std::fprintf(stderr, "orchard overlay: note: %s\n", note.c_str());
   }
   const io::Config& config = rig.config;
-  if (!config.camera.enabled) {
-    throw io::FileError(rig.name + " has camera.enabled: false; the overlay needs a camera");
-  }
   const io::FigureFormat format = io::figure_format(options.out_path);
   const bus::ReplayIndex index = bus::index_log(options.log_path, {});
   require_channel(options, index, bus::Channel::kScan, "the laser's scans");
-  require_channel(options, index, bus::Channel::kImage, "pictures");
+  if (config.camera.enabled) require_channel(options, index, bus::Channel::kImage, "pictures");
   const std::int64_t first_utime = index.report.first_utime;
-  const std::int64_t utime = utime_asked(options, index);
+  std::int64_t utime = utime_asked(options, index);
+  if (!config.camera.enabled) utime = nearest_scan(index, utime);
 
   NearestPair node(config, utime);
   bus::ReplayOptions replay;
@@ -186,6 +205,16 @@ int run_overlay(const OverlayOptions& options) {
     throw io::FileError(options.log_path + " has no pair of scan and picture within " +
                         fixed_text(kReach_s, 3) + " s of --at " + fixed_text(at_s, 3) +
                         " s of each other (detector.pairing_tolerance_s)");
+  }
+  if (!config.camera.enabled) {
+    const laser::Scan& scan = node.pair()->scan;
+    io::write_file_atomically(
+        options.out_path,
+        io::scan_figure(scan, config.laser, config.detector.segmentation, config.detector.width,
+                        scan_words(scan, first_utime) + ", from above", format));
+    std::printf("written to %s: the scan from above, as the rig has no camera\n",
+                options.out_path.c_str());
+    return bus::kExitOk;
   }
   const io::OverlayContent content = content_of(options, *node.pair(), rig, first_utime);
   io::write_file_atomically(options.out_path, io::overlay_figure(content, format));

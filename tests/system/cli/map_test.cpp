@@ -390,6 +390,19 @@ TEST_F(Overlay, SaysWhatIsWrong) {
   expect_refused(overlay(path("early.lcm"), "9"), "no pair of scan and picture");
 }
 
+TEST_F(Overlay, WithoutACameraTheScanIsDrawnFromAbove) {
+  std::string rig = read_file(config());
+  const std::size_t at = rig.find("enabled: true", rig.find("camera:"));
+  ASSERT_NE(at, std::string::npos);
+  rig.replace(at, 13, "enabled: false");
+  write_file(path("laser.yaml"), rig);
+  const Result result = orchard({"overlay", log(), "--at", "3.4", "--config", path("laser.yaml"),
+                                 "--out", path("overlay.png")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("the scan from above"));
+  EXPECT_GT(cv::imread(path("overlay.png")).cols, 900);
+}
+
 TEST_F(Overlay, ARigOfAnotherCameraIsRefused) {
   std::string rig = read_file(config());
   const std::size_t at = rig.find("width_px: 320");

@@ -509,6 +509,38 @@ TEST(LocalisationFigure, StatesAndErrorsStandAtTheirTimes) {
   const cv::Mat picture = decoded(localisation_figure(run, "a drive", FigureFormat::kPng));
   const cv::Mat plot = picture(cv::Rect(70, 68, 1000, 360));  // 10 s wide, 2 m high
   const auto box_of = [&plot](Colour colour) {
+/// A trunk ahead, a wall to the left and a single beam to the right: the first is an object, the
+/// others are refused, each where it stands.
+TEST(ScanFigure, WhatIsRefusedIsDrawnAsSuch) {
+  laser::Scan scan;
+  scan.bearing_min_rad = -1.5;
+  scan.bearing_step_rad = 0.01;
+  scan.range_max_m = 10.0;
+  scan.ranges_m.assign(301, 0.0f);
+  for (std::size_t beam = 148; beam <= 152; ++beam) scan.ranges_m[beam] = 3.0f;
+  for (std::size_t beam = 220; beam <= 300; ++beam) scan.ranges_m[beam] = 5.0f;
+  scan.ranges_m[30] = 4.0f;
+  laser::SegmentationConfig segmentation;
+  segmentation.range_max_m = 10.0;
+  segmentation.min_beams = 3;
+  const cv::Mat picture =
+      decoded(scan_figure(scan, {}, segmentation, {}, "a scan", FigureFormat::kPng));
+  const cv::Mat plot = picture(cv::Rect(70, 76, 900, 900));
+  const double px_per_m = 900.0 / 22.0;
+  const auto is_drawn = [&](double range_m, double bearing_rad, Colour colour) {
+    const double x_px = 450.0 - px_per_m * range_m * std::sin(bearing_rad);
+    const double y_px = 450.0 - px_per_m * range_m * std::cos(bearing_rad);
+    const cv::Rect around(static_cast<int>(x_px) - 8, static_cast<int>(y_px) - 8, 16, 16);
+    return cv::countNonZero(pixels_of(plot(around).clone(), colour)) > 3;
+  };
+  const Colour taken{30, 140, 60}, refused{200, 120, 20};
+  EXPECT_TRUE(is_drawn(3.08, 0.0, taken));
+  EXPECT_FALSE(is_drawn(3.08, 0.0, refused));
+  EXPECT_TRUE(is_drawn(4.02, -1.2, refused));
+  EXPECT_FALSE(is_drawn(4.02, -1.2, taken));
+  EXPECT_GT(cv::countNonZero(pixels_of(plot, refused)), 150) << "the wall's ring is large";
+}
+
     std::vector<cv::Point> found;
     cv::findNonZero(pixels_of(plot, colour), found);
     return found.empty() ? cv::Rect() : cv::boundingRect(found);

@@ -417,19 +417,21 @@ void add_export(CLI::App& app, Run& run) {
       "  orchard export out/drive --format kml --out trees.kml             (Google Earth)\n"
       "  orchard export out/drive --format shp --out block.shp.zip         (one file for QGIS, "
       "ArcGIS)\n"
+      "  orchard export out/drive --format shp --out trees.shp              (one layer, with "
+      "trees.dbf ... beside it)\n"
       "  orchard export out/drive --format geojson --layer rows --out rows.geojson\n"
       "Input: a map folder with its corrections. Output: one file, and on the terminal its\n"
       "layers, coordinates and what the format cannot store. Coordinates are WGS 84 if the map\n"
       "has a datum, else metres of the map. KML and GeoJSON store only latitude and longitude\n"
-      "and need a datum. GeoJSON, CSV and FlatGeobuf store one layer: landmarks, or that of\n"
-      "--layer.\n",
+      "and need a datum. GeoJSON, CSV, FlatGeobuf and .shp store one layer: landmarks, or that\n"
+      "of --layer.\n",
       run_export, [](CLI::App& command, ExportOptions& o) {
         add_map(command, o.map_path);
         command.add_option("--format", o.format, "format of the file")
             ->required()
             ->check(CLI::IsMember({"geojson", "kml", "shp", "dxf", "csv", "flatgeobuf", "gpkg"}));
         add_required(command, "--out", o.out_path, "FILE",
-                     "file to write: .geojson, .kml, .shp.zip, .dxf, .csv, .fgb or .gpkg");
+                     "file to write: .geojson, .kml, .shp.zip, .shp, .dxf, .csv, .fgb or .gpkg");
         command.add_option("--layer", o.layer, "export only this layer")
             ->check(CLI::IsMember(
                 {"landmarks", "extents", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));

@@ -32,16 +32,32 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
 
   const std::string& path() const { return path_; }
-  std::string bytes() const {
-    vsi_l_offset size = 0;
-    const GByte* data = VSIGetMemFileBuffer(path_.c_str(), &size, FALSE);
-    return data == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
+  std::string bytes() const { return bytes_of(path_); }
+  /// The files that GDAL wrote beside it, by extension.
+  std::map<std::string, std::string> others() const {
+    std::map<std::string, std::string> others;
+    const CPLStringList names(VSIReadDir(folder_.c_str()));
+    for (int i = 0; i < names.Count(); ++i) {
+      const std::string path = folder_ + "/" + names[i];
+      const std::size_t dot = path.rfind('.');
+      if (path != path_ && dot != std::string::npos) others[path.substr(dot)] = bytes_of(path);
+    }
+    return others;
   }
 
  private:
+  static std::string bytes_of(const std::string& path) {
+    vsi_l_offset size = 0;
+    const GByte* data = VSIGetMemFileBuffer(path.c_str(), &size, FALSE);
+    return data == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
+  }
+
   std::string folder_;
   std::string path_;
 };
+
+constexpr char kShapefileLoses[] =
+    "a Shapefile limits column names to ten letters and texts to 254 bytes";
 
 OGRFieldType ogr_type(GeoType type) {
   constexpr OGRFieldType kTypes[] = {OFTInteger, OFTInteger64, OFTReal, OFTString};
@@ -56,8 +72,8 @@ const std::vector<GeoFormatInfo>& geo_formats() {
       {GeoFormat::kGeoJson, "geojson", ".geojson", "GeoJSON", true, true, ""},
       {GeoFormat::kKml, "kml", ".kml", "LIBKML", false, true,
        "KML does not store colours by class"},
-      {GeoFormat::kShapefile, "shp", ".shp.zip", "ESRI Shapefile", false, false,
-       "a Shapefile limits column names to ten letters and texts to 254 bytes"},
+      {GeoFormat::kShapefile, "shp", ".shp.zip", "ESRI Shapefile", false, false, kShapefileLoses},
+      {GeoFormat::kShapefileParts, "shp", ".shp", "ESRI Shapefile", true, false, kShapefileLoses},
       {GeoFormat::kDxf, "dxf", ".dxf", "DXF", false, false,
        "DXF stores only positions and labels: no widths, no certainty, no coordinate system"},
       {GeoFormat::kCsv, "csv", ".csv", "CSV", true, false,
@@ -85,6 +101,10 @@ class OgrFile final : public LayerFile {
  public:
   OgrFile(const std::optional<geometry::Georeference>& georeference, const GeoFormatInfo& info);
   std::string finish() override;
+  std::map<std::string, std::string> companions() const override {
+    return info_.format == GeoFormat::kShapefileParts ? file_.others()
+                                                      : std::map<std::string, std::string>();
+  }
 
  protected:
   void open_layer(const GeoLayer& layer) override;
@@ -163,7 +183,7 @@ void OgrFile::open_layer(const GeoLayer& layer) {
     options.SetNameValue("RFC7946", "YES");
     options.SetNameValue("COORDINATE_PRECISION", "9");  // a tenth of a millimetre
     options.SetNameValue("DESCRIPTION", layer.description);
-  } else if (info_.format == GeoFormat::kShapefile) {
+  } else if (info_.driver == std::string("ESRI Shapefile")) {
     options.SetNameValue("ENCODING", "UTF-8");
   } else if (info_.format == GeoFormat::kCsv && !is_table_) {
     options.SetNameValue("GEOMETRY", "AS_WKT");

@@ -12,7 +12,16 @@
 namespace orchard::io {
 
 /// File formats for a map's layers.
-enum class GeoFormat { kGeoPackage, kGeoJson, kKml, kShapefile, kDxf, kCsv, kFlatGeobuf };
+enum class GeoFormat {
+  kGeoPackage,
+  kGeoJson,
+  kKml,
+  kShapefile,       ///< all layers in one archive
+  kShapefileParts,  ///< one layer, as a file with others beside it
+  kDxf,
+  kCsv,
+  kFlatGeobuf
+};
 
 /// Name and properties of a format.
 struct GeoFormatInfo {
@@ -25,7 +34,7 @@ struct GeoFormatInfo {
   const char* lost;  ///< what it cannot store, as a sentence; "": nothing
 };
 
-/// Lists all formats, GeoPackage first.
+/// Lists all formats, GeoPackage first; a word may stand for several, by the file's extension.
 const std::vector<GeoFormatInfo>& geo_formats();
 
 /// Name of the coordinate system in which a format stores a map.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,6 +76,9 @@ class LayerFile {
   /// Returns the file's bytes; nothing can be added afterwards. Throws FileError when the file
   /// cannot be made.
   virtual std::string finish() = 0;
+
+  /// After finish(): the files that belong beside it with its name, by extension (".dbf").
+  virtual std::map<std::string, std::string> companions() const { return {}; }
 
  protected:
   explicit LayerFile(bool has_one_layer) : has_one_layer_(has_one_layer) {}

@@ -17,30 +17,41 @@
 namespace orchard::cli {
 namespace {
 
-const io::GeoFormatInfo& format_named(const std::string& word) {
-  for (const io::GeoFormatInfo& format : io::geo_formats()) {
-    if (word == format.word) return format;
-  }
-  throw io::FileError("\"" + word + "\" is not a format; see `orchard export --help`");
+bool ends_with(const std::string& name, const std::string& end) {
+  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Requires the format's file extension, and does not overwrite a file unless requested.
-void require_place(const ExportOptions& options, const io::GeoFormatInfo& format) {
-  const std::filesystem::path out(options.out_path);
-  const std::string name = out.filename().string(), extension = format.extension;
-  const bool fits = name.size() > extension.size() &&
-                    name.compare(name.size() - extension.size(), extension.size(), extension) == 0;
-  if (!fits) {
-    throw io::FileError(options.out_path + ": the name of a file in format " + format.word +
-                        " must be NAME" + extension + "; change --out");
+/// The format of that word whose extension the file has.
+const io::GeoFormatInfo& format_of(const ExportOptions& options) {
+  const std::string name = std::filesystem::path(options.out_path).filename().string();
+  std::string names;
+  for (const io::GeoFormatInfo& format : io::geo_formats()) {
+    if (options.format != format.word) continue;
+    if (ends_with(name, format.extension)) return format;
+    names += (names.empty() ? "NAME" : " or NAME") + std::string(format.extension);
   }
-  require_other_folder(out.has_parent_path() ? out.parent_path().string() : ".",
-                       {options.map_path});
+  throw io::FileError(options.out_path + ": the name of a file in format " + options.format +
+                      " must be " + names + "; change --out");
+}
+
+/// Does not overwrite a file unless requested.
+void require_free(const ExportOptions& options, const std::string& path) {
   std::error_code error;
-  if (!options.overwrite && std::filesystem::exists(out, error)) {
-    throw io::FileError(options.out_path +
-                        " exists already; give another name, or --overwrite to replace it");
+  if (options.overwrite || !std::filesystem::exists(path, error)) return;
+  throw io::FileError(path + " exists already; give another name, or --overwrite to replace it");
+}
+
+/// Writes the file, and with its name those that belong beside it.
+void write(const ExportOptions& options, io::LayerFile& file) {
+  io::FileReplacement files;
+  files.write(options.out_path, file.finish());
+  for (const auto& [extension, bytes] : file.companions()) {
+    std::filesystem::path path(options.out_path);
+    path.replace_extension(extension);
+    require_free(options, path.string());
+    files.write(path.string(), bytes);
   }
+  files.commit();
 }
 
 void print_words(const ExportOptions& options, const io::GeoFormatInfo& format,
@@ -82,8 +93,10 @@ void print_json(const ExportOptions& options, const io::GeoFormatInfo& format,
 }  // namespace
 
 int run_export(const ExportOptions& options) {
-  const io::GeoFormatInfo& format = format_named(options.format);
-  require_place(options, format);
+  const io::GeoFormatInfo& format = format_of(options);
+  const std::filesystem::path folder = std::filesystem::path(options.out_path).parent_path();
+  require_other_folder(folder.empty() ? "." : folder.string(), {options.map_path});
+  require_free(options, options.out_path);
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
   io::MapLayers layers;
   layers.landmarks = &map.corrected.landmarks;
@@ -98,7 +111,7 @@ int run_export(const ExportOptions& options) {
   if (!options.layer.empty()) file->choose_layer(options.layer);
   io::write_map_layers(layers, *file);
   make_parent_folder(options.out_path);
-  io::write_file_atomically(options.out_path, file->finish());
+  write(options, *file);
   const int num_conflicts = map.corrected.count(mapping::CorrectionOutcome::kConflict);
   if (num_conflicts > 0) {
     std::fprintf(stderr,

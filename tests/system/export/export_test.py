@@ -133,6 +133,17 @@ class Export(unittest.TestCase):
             self.assertIn("landmarks", said["left_out"])
             self.assertEqual(len(self.read([])), 2, word)
 
+    def test_a_shapefile_as_its_parts(self):
+        said = self.export("shp", out="parts.shp")
+        self.assertIn("left out: extents, path, rows, gaps", said)
+        self.assertEqual(sorted(os.listdir(self.folder + "/out")),
+                         ["parts.cpg", "parts.dbf", "parts.prj", "parts.shp", "parts.shx"])
+        self.check_things(self.read([], "-t_srs", "EPSG:4326"), THINGS, degrees, 3e-8, "shp")
+        os.remove(self.out)
+        self.assertIn("parts.cpg exists already", self.run_export("shp", out="parts.shp").stderr)
+        self.export("shp", "--layer", "rows", "--overwrite", out="parts.shp")
+        self.assertEqual(len(self.read([])), 2)
+
     def test_a_map_without_a_datum(self):
         self.write_map(georeferenced=False)
         for word in NAMES:
@@ -154,7 +165,7 @@ class Export(unittest.TestCase):
         self.export("csv")
         for arguments, code, words in (
                 ({"word": "csv"}, 3, "--overwrite"),
-                ({"word": "shp", "out": "a.shp"}, 3, ".shp.zip"),
+                ({"word": "shp", "out": "a.zip"}, 3, "NAME.shp.zip or NAME.shp"),
                 ({"word": "gpkg", "out": "../map/map.gpkg"}, 3, "must not be overwritten"),
                 ({"word": "isoxml", "out": "a.xml"}, 2, "isoxml")):
             done = self.run_export(**arguments)

@@ -16,7 +16,7 @@ class Editor {
     this.undoButton = button("undo", "↶ Undo", "Undo the last correction", () => this.send({ what: "undo" }));
     this.redoButton = button("redo", "↷ Redo", "Redo the last undone correction", () => this.send({ what: "redo" }));
     this.undoButton.disabled = this.redoButton.disabled = true;
-    this.who = element("input", { id: "who", placeholder: "Your name", maxLength: 60, value: remembered("orchard-who") });
+    this.who = element("input", { id: "who", placeholder: "Your name", maxLength: 60, value: remembered("orchard-who") || app.data.who || "" });
     this.who.setAttribute("aria-label", "Your name, for the list of corrections");
     this.who.addEventListener("change", () => remember("orchard-who", this.who.value));
     byId("edit").replaceChildren(
@@ -38,7 +38,7 @@ class Editor {
   actionsOf(i) {
     const { columns } = this.app.model;
     const id = String(columns.id[i]);
-    const isTree = columns.label[i] === kTree;
+    const isTree = this.app.model.isTrunk(i);
     return [
       this.action("delete", "Delete", () => this.send({ what: "delete", trees: [id] })),
       this.action("class", isTree ? "Not a tree" : "Tree",

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/maps.hpp"
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <map>
@@ -54,9 +56,8 @@ void require_folder(const std::string& folder) {
 }  // namespace
 
 std::string person() {
-  const char* name = std::getenv("USER");
-  if (name == nullptr || *name == '\0') name = std::getenv("LOGNAME");
-  const std::string who = name == nullptr ? "" : name;
+  const passwd* user = ::getpwuid(::geteuid());
+  const std::string who = user == nullptr ? "" : user->pw_name;
   return who.empty() || !io::is_correction_text(who) ? "somebody" : who;
 }
 

@@ -52,8 +52,9 @@ constexpr std::uintmax_t kPhotoMax_bytes = std::uintmax_t{4} << 20;
 class FolderPage : public procs::PageContent {
  public:
   /// Throws io::FileError. `can_edit`: users of the page may correct the map.
-  FolderPage(const std::string& folder, bool can_edit)
-      : folder_(folder), can_edit_(can_edit), editor_(folder) {
+  /// `who`: name that the page suggests to them.
+  FolderPage(const std::string& folder, bool can_edit, std::string who)
+      : folder_(folder), can_edit_(can_edit), who_(std::move(who)), editor_(folder) {
     fs::path path = fs::absolute(folder).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();
     title_ = printable_text(path.filename().string());
@@ -83,8 +84,8 @@ class FolderPage : public procs::PageContent {
     }
     std::string json =
         now->tiles ? now->tiles->overview_json() : view::map_data_json(page_data(*now));
-    json.insert(1, "\"mode\":\"folder\",\"boot\":\"" + boot_ +
-                       "\",\"can_edit\":" + (can_edit_ ? "true" : "false") +
+    json.insert(1, "\"mode\":\"folder\",\"boot\":\"" + boot_ + "\",\"can_edit\":" +
+                       (can_edit_ ? "true" : "false") + ",\"who\":" + view::json_text(who_) +
                        ",\"revision\":" + std::to_string(revision) + ",");
     return view::page_html(title_, json, view::PageSource::kServer);
   }
@@ -203,6 +204,7 @@ class FolderPage : public procs::PageContent {
 
   std::string folder_, title_;
   bool can_edit_;
+  std::string who_;
   std::string boot_;  ///< identifies this run of the server: the page of an earlier run reloads
   std::vector<std::int32_t> photo_ids_;
   std::mutex edit_mutex_;  ///< serialises edits, so that they are shown in order
@@ -287,7 +289,9 @@ int run_view(const ViewOptions& options) {
   std::optional<procs::ReplayRig> rig;
   const io::LogPaths logs(options.paths);
   if (is_folder) {
-    folder = std::make_unique<FolderPage>(options.paths.front(), options.edit);
+    // Without a token only users of this machine open the page.
+    folder = std::make_unique<FolderPage>(options.paths.front(), options.edit,
+                                          server.token.empty() ? person() : std::string());
   } else {
     rig = procs::choose_rig(logs, options.config_path);
     for (const std::string& note : rig->notes) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
+#include <pwd.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -198,6 +201,8 @@ TEST_F(EditCommand, LeavesTheMapAndWritesACorrectedOne) {
   ASSERT_EQ(edit({"row", "2", "by the road"}).exit_code, 0);
   ASSERT_EQ(edit({"note", "by the road/4", "planted again"}).exit_code, 0) << "row by its name";
   ASSERT_EQ(edit({"undo", "3"}).exit_code, 0);
+  EXPECT_EQ(list()[0]["who"], "Ana");
+  EXPECT_EQ(list()[1]["who"], ::getpwuid(::geteuid())->pw_name) << "whose account it is";
   EXPECT_TRUE(read_file(map_ + "/map.csv") == before);
   const std::string after = corrected();
   EXPECT_THAT(after, Not(HasSubstr("\n1,tree,")));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/thinned_line.hpp"
+#include "mapping/kind.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
 
@@ -19,6 +20,7 @@ std::string row_json(const mapping::Row& row) {
     if (place.landmark_id == 0) gaps.push_back(&place);
   }
   return "{\"number\":" + std::to_string(row.number) +
+         ",\"first\":" + std::to_string(row.places.front().position) +
          ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(tree_line(row)) +
          ",\"gaps\":" +
          array_json(gaps,
@@ -34,6 +36,10 @@ std::string row_json(const mapping::Row& row) {
 
 int label_number(detection::Label label) {
   return label == detection::Label::kTree ? 0 : label == detection::Label::kObject ? 1 : 2;
+}
+
+int kind_number(const Landmark& landmark) {
+  return mapping::kind_of(landmark) == mapping::Kind::kTrunk ? 3 : label_number(landmark.label);
 }
 
 std::string line_json(const std::vector<Eigen::Vector2d>& line) {
@@ -58,7 +64,7 @@ std::vector<Eigen::Vector2d> path_line(const std::vector<pose::PoseEstimate>& pa
 }
 
 std::string way_json(const mapping::NavigationEdge& way, const std::vector<Eigen::Vector2d>& line) {
-  const char* kind = way.kind == mapping::EdgeKind::kAlley ? "alley" : "headland";
+  const char* kind = way.kind == mapping::EdgeKind::kAlley ? "aisle" : "headland";
   return std::string("{\"kind\":\"") + kind + "\",\"width\":" + fixed_text(way.width_m, 3) +
          ",\"line\":" + line_json(line) + "}";
 }
@@ -85,7 +91,7 @@ std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
     add(name, [=](const Landmark& l) { return fixed_text(l.*value, num_decimals); });
   };
   add("id", [](const Landmark& l) { return std::to_string(l.id); });
-  add("label", [](const Landmark& l) { return std::to_string(label_number(l.label)); });
+  add("label", [](const Landmark& l) { return std::to_string(kind_number(l)); });
   add_number("x", &Landmark::x_m, 3);
   add_number("y", &Landmark::y_m, 3);
   add("n", [](const Landmark& l) { return std::to_string(l.num_observations); });

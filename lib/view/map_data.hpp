@@ -42,8 +42,9 @@ struct MapData {
 inline constexpr double kPathTolerance_m = 0.01;
 
 /// Formats the map as JSON in columns: {"title", "version", "first_utime", "last_utime",
-/// "warnings", "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen],
-/// "x": [m], ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y],
+/// "warnings", "georeference", "landmarks": {"id": [...], "label": [kind_number()],
+/// "x": [m], ...}, "rows": [{"number", "first", "spacing", "line": [x, y, ...], "gaps": [[position,
+/// x, y],
 /// ...]}], "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]], "row_names": {row: text},
 /// "notes": {id: [text]}, "photo_ids": [id], "photos": {id: base 64 of a JPEG}}. All members of
 /// `map_data` except georeference must be set. Equal maps give equal text; invalid Unicode in texts
@@ -65,8 +66,12 @@ std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_
 /// Formats `{"latitude_deg", "longitude_deg", "yaw_rad", "residual_rms_m"}`.
 std::string georeference_json(const geometry::Georeference& georeference);
 
-/// Number of a label in the page's columns: 0 tree, 1 object, 2 unseen.
+/// Number of a label in the page's detections: 0 tree, 1 object, 2 unseen.
 int label_number(detection::Label label);
+
+/// Number of a landmark's kind in the page's columns: 0 tree in a row, 1 object, 2 unseen, 3 other
+/// trunk.
+int kind_number(const mapping::Landmark& landmark);
 
 /// Formats an arbitrary text as a JSON string in ASCII.
 std::string json_text(const std::string& text);

@@ -106,7 +106,7 @@ MapTiles::MapTiles(const MapData& map_data)
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& l = landmarks[i];
     tiles_[key_of({l.x_m, l.y_m})].landmarks.push_back(static_cast<std::int32_t>(i));
-    ++counts_[static_cast<std::size_t>(label_number(l.label))];
+    ++counts_[static_cast<std::size_t>(kind_number(l))];
   }
   for (const mapping::Row& row : *data_.rows) {
     for (const mapping::RowSlot& place : row.places) {
@@ -151,13 +151,14 @@ std::vector<std::string> MapTiles::names() const {
 }
 
 std::string MapTiles::cells_json(bool is_of_trees) const {
+  const mapping::KindCounts kinds(*data_.landmarks);
   std::string text = "[";
   for (const auto& [key, tile] : tiles_) {
     std::array<std::uint8_t, kCells * kCells> cells{};
     bool is_any = false;
     for (const std::int32_t i : tile.landmarks) {
       const Landmark& l = (*data_.landmarks)[static_cast<std::size_t>(i)];
-      if ((label_number(l.label) == 0) != is_of_trees) continue;
+      if (kinds.counts(mapping::kind_of(l)) != is_of_trees) continue;
       const auto cell = [&](double coordinate_m, std::int32_t number) {
         const double fraction = coordinate_m / side_m_ - number;
         return static_cast<std::size_t>(std::clamp(fraction * kCells, 0.0, kCells - 1.0));
@@ -194,7 +195,7 @@ std::string MapTiles::overview_parts_json() const {
   const double tolerance_m = side_m_ / kOverviewTile_px;
   std::map<std::int32_t, std::pair<std::int64_t, double>> trunks;  // by row: number, sum of widths
   for (const Landmark& l : *data_.landmarks) {
-    if (l.row == 0 || label_number(l.label) != 0) continue;
+    if (mapping::kind_of(l) != mapping::Kind::kTree) continue;
     auto& [number, sum_m] = trunks[l.row];
     ++number;
     sum_m += l.width_m;
@@ -205,6 +206,7 @@ std::string MapTiles::overview_parts_json() const {
     const auto& [number, sum_m] = trunks[row.number];
     const double mean_m = number > 0 ? sum_m / static_cast<double>(number) : 0.0;
     return "{\"number\":" + std::to_string(row.number) +
+           ",\"first\":" + std::to_string(row.places.front().position) +
            ",\"spacing\":" + fixed_text(row.spacing_m, 3) +
            ",\"line\":" + line_json(geometry::thinned_line(tree_line(row), tolerance_m)) +
            ",\"gaps\":[],\"trees\":" + std::to_string(number) +

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/kind.hpp"
 #include "view/map_data.hpp"
 
 namespace orchard::view {
@@ -67,7 +68,7 @@ class MapTiles {
   MapData data_;
   double side_m_ = 0.0;
   std::string stamp_;
-  std::array<std::int64_t, 3> counts_{};  ///< trees, objects, unseen
+  std::array<std::int64_t, mapping::kNumKinds> counts_{};  ///< by kind_number()
   std::map<Key, Tile> tiles_;
 };
 

@@ -434,7 +434,7 @@ void add_export(CLI::App& app, Run& run) {
                      "file to write: .geojson, .kml, .shp.zip, .shp, .dxf, .csv, .fgb or .gpkg");
         command.add_option("--layer", o.layer, "export only this layer")
             ->check(CLI::IsMember(
-                {"landmarks", "extents", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));
+                {"landmarks", "extents", "path", "rows", "gaps", "aisles", "headlands", "nodes"}));
         add_as_mapped(command, o.as_mapped);
         command.add_flag("--overwrite", o.overwrite, "replace FILE if it exists");
         command.add_flag("--json", o.json, "print JSON");

@@ -8,11 +8,13 @@
 
 #include "io/figure/plot_axes.hpp"
 #include "mapping/extent/extent.hpp"
+#include "mapping/kind.hpp"
 
 namespace orchard::io {
 namespace {
 
-using detection::Label;
+using mapping::Kind;
+using mapping::KindCounts;
 using mapping::Landmark;
 
 constexpr Colour kRow{170, 205, 170}, kRowText{90, 140, 90}, kWay{225, 190, 120};
@@ -21,9 +23,11 @@ struct Style {
   Colour fill, stroke;
 };
 
-Style style_of(Label label) {
-  if (label == Label::kTree) return {{70, 180, 80}, {20, 95, 30}};
-  if (label == Label::kObject) return {{225, 70, 60}, {130, 20, 15}};
+/// The style of a kind; trunks look like trees where they count like trees.
+Style style_of(Kind kind, const KindCounts& kinds) {
+  if (kinds.counts(kind)) return {{70, 180, 80}, {20, 95, 30}};
+  if (kind == Kind::kTrunk) return {{200, 225, 180}, {120, 150, 95}};
+  if (kind == Kind::kObject) return {{225, 70, 60}, {130, 20, 15}};
   return {{205, 205, 205}, {140, 140, 140}};
 }
 
@@ -59,7 +63,7 @@ void draw_row_lines(const MapFrame& frame, const std::vector<mapping::Row>& rows
   }
 }
 
-/// Draws the navigation graph: alleys and headlands.
+/// Draws the navigation graph: aisles and headlands.
 void draw_graph(const MapFrame& frame, const mapping::NavigationGraph& graph, Canvas& canvas) {
   for (const mapping::NavigationEdge& edge : graph.edges) {
     std::vector<PixelPoint> points;
@@ -76,9 +80,8 @@ double radius_px(const MapFrame& frame, const Landmark& l, const Sizes& sizes) {
 }
 
 /// Draws hedges and walls with their length, other landmarks as discs of a visible minimum size.
-void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
+void draw_landmark(const MapFrame& frame, const Landmark& l, const Style& style, const Sizes& sizes,
                    LabelPlacement& placement, Canvas& canvas) {
-  const Style style = style_of(l.label);
   if (l.length_m > 0.0) {
     std::vector<PixelPoint> border;
     for (const Eigen::Vector2d& p : mapping::outline_of(l))
@@ -91,9 +94,9 @@ void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
   placement.take({p.x - r, p.y - r, p.x + r, p.y + r});
 }
 
-/// Draws each row's number before its first tree.
-void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& rows,
-                      LabelPlacement& placement, Canvas& canvas) {
+/// Draws each row's name before its first tree.
+void draw_row_names(const MapFrame& frame, const std::vector<mapping::Row>& rows,
+                    const mapping::RowNames& names, LabelPlacement& placement, Canvas& canvas) {
   constexpr double kOut_px = 14.0;
   for (const mapping::Row& row : rows) {
     if (row.places.size() < 2) continue;
@@ -102,7 +105,8 @@ void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& ro
     const double dx = first.x - second.x, dy = first.y - second.y;
     const double fraction = kOut_px / std::max(1e-9, std::hypot(dx, dy));
     draw_label({first.x + fraction * dx, first.y + fraction * dy}, 0.0,
-               "R" + std::to_string(row.number), kAxisTextPx, kRowText, placement, &canvas);
+               mapping::row_name(names, row.number, "R"), kAxisTextPx, kRowText, placement,
+               &canvas);
   }
 }
 
@@ -110,16 +114,23 @@ void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& ro
 constexpr std::array<std::int32_t, 12> kSteps{1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000};
 constexpr double kPlacedFraction = 0.8;
 
+/// What is written at a landmark: the number in its row, else its id.
+std::string number_text(const Landmark& l) {
+  return l.position > 0 ? std::to_string(l.position) : "#" + std::to_string(l.id);
+}
+
 /// Draws the labels of the numbers that are multiples of the step; returns whether nearly all fit.
 bool draw_every(std::int32_t step, const MapFrame& frame, const std::vector<Landmark>& landmarks,
                 const Sizes& sizes, LabelPlacement placement, Canvas* canvas) {
+  const KindCounts kinds(landmarks);
   int num_wanted = 0, num_placed = 0;
   for (const Landmark& l : landmarks) {
-    if (l.label == Label::kUnseen || l.id % step != 0) continue;
+    const Kind kind = mapping::kind_of(l);
+    const std::int32_t number = l.position > 0 ? l.position : l.id;
+    if (kind == Kind::kUnseen || number % step != 0) continue;
     ++num_wanted;
-    num_placed +=
-        draw_label(frame.at(l.x_m, l.y_m), radius_px(frame, l, sizes), std::to_string(l.id),
-                   sizes.text_px, style_of(l.label).stroke, placement, canvas);
+    num_placed += draw_label(frame.at(l.x_m, l.y_m), radius_px(frame, l, sizes), number_text(l),
+                             sizes.text_px, style_of(kind, kinds).stroke, placement, canvas);
   }
   return num_placed >= kPlacedFraction * num_wanted;
 }
@@ -134,16 +145,13 @@ void draw_numbers(const MapFrame& frame, const std::vector<Landmark>& landmarks,
   draw_every(kSteps[i], frame, landmarks, sizes, placement, &canvas);
 }
 
-std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool has_ways) {
+std::vector<LegendItem> legend_of(const KindCounts& kinds, bool has_ways) {
   std::vector<LegendItem> items;
-  for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
-    const auto count = std::count_if(landmarks.begin(), landmarks.end(),
-                                     [label](const Landmark& l) { return l.label == label; });
-    if (count == 0 && label == Label::kUnseen) continue;
-    const char* names[] = {"unseen", "trees", "objects"};
-    items.push_back({std::to_string(count) + " " + names[static_cast<int>(label)],
-                     [label](PixelPoint centre, Canvas& canvas) {
-                       canvas.circle(centre, 6.0, style_of(label).fill, style_of(label).stroke);
+  for (const Kind kind : {Kind::kTree, Kind::kTrunk, Kind::kObject, Kind::kUnseen}) {
+    if (kinds.of(kind) == 0) continue;
+    items.push_back({std::to_string(kinds.of(kind)) + " " + kinds.name(kind),
+                     [style = style_of(kind, kinds)](PixelPoint centre, Canvas& canvas) {
+                       canvas.circle(centre, 6.0, style.fill, style.stroke);
                      }});
   }
   items.push_back(line_item("path", kPathColour));
@@ -156,7 +164,8 @@ std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool h
 std::string map_figure(const std::vector<Landmark>& landmarks,
                        const std::vector<pose::PoseEstimate>& trajectory,
                        const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
-                       FigureFormat format, const MapHeading& heading) {
+                       FigureFormat format, const MapHeading& heading,
+                       const mapping::RowNames& row_names) {
   std::vector<Eigen::Vector2d> points;
   for (const Landmark& l : landmarks) {
     points.push_back({l.x_m, l.y_m});
@@ -170,7 +179,8 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
     points.insert(points.end(), edge.line_map.begin(), edge.line_map.end());
   }
   const bool is_print = format == FigureFormat::kPdf;
-  const MapFrame frame(points, legend_of(landmarks, !graph.edges.empty()), heading,
+  const KindCounts kinds(landmarks);
+  const MapFrame frame(points, legend_of(kinds, !graph.edges.empty()), heading,
                        is_print ? print_size(points) : PlotSizeMax{});
   const Sizes sizes(landmarks.size(), is_print);
   Canvas canvas(format, frame.width_px(), frame.height_px());
@@ -180,12 +190,13 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
   draw_row_lines(frame, rows, canvas);
   frame.draw_path(trajectory, canvas);
   LabelPlacement placement(frame.box());
-  for (const Label label : {Label::kUnseen, Label::kObject, Label::kTree}) {  // trees on top
+  for (const Kind kind : {Kind::kUnseen, Kind::kObject, Kind::kTrunk, Kind::kTree}) {
     for (const Landmark& l : landmarks) {
-      if (l.label == label) draw_landmark(frame, l, sizes, placement, canvas);
+      if (mapping::kind_of(l) != kind) continue;
+      draw_landmark(frame, l, style_of(kind, kinds), sizes, placement, canvas);
     }
   }
-  draw_row_numbers(frame, rows, placement, canvas);
+  draw_row_names(frame, rows, row_names, placement, canvas);
   draw_numbers(frame, landmarks, sizes, placement, canvas);
   return canvas.finish();
 }

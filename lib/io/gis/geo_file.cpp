@@ -221,11 +221,11 @@ void OgrFile::set_values(const std::vector<GeoValue>& values, OGRFeature& featur
   }
 }
 
-/// A drawing has no columns: the class becomes the layer name, the label a text beside it.
+/// A drawing has no columns: the kind becomes the layer name, the label a text beside it.
 void OgrFile::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry) {
   std::string layer_name = begun_.name, label;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (begun_.fields[i].name == std::string("class")) layer_name = values[i].text;
+    if (begun_.fields[i].name == std::string("kind")) layer_name = values[i].text;
     if (begun_.fields[i].name == std::string("label")) label = values[i].text;
   }
   OGRFeature feature(layer_->GetLayerDefn());

@@ -9,6 +9,8 @@
 #include "io/gis/geopackage.hpp"
 #include "io/gis/qgis_style.hpp"
 #include "mapping/extent/extent.hpp"
+#include "mapping/inventory/inventory.hpp"
+#include "mapping/kind.hpp"
 
 namespace orchard::io {
 namespace {
@@ -25,15 +27,17 @@ GeoValue number_or_none(std::int32_t number) {
   return number == 0 ? GeoValue() : GeoValue(std::int64_t{number});
 }
 
-std::string row_name(const MapLayers& map, std::int32_t row) {
-  const auto found = map.row_names.find(row);
-  return found == map.row_names.end() ? std::to_string(row) : found->second;
+const char* kind_word(mapping::Kind kind) {
+  return kind == mapping::Kind::kTree     ? "tree"
+         : kind == mapping::Kind::kTrunk  ? "trunk"
+         : kind == mapping::Kind::kObject ? "object"
+                                          : "unseen";
 }
 
 /// Label for the user: row and tree such as "3/14", else "#id".
 std::string label_of(const MapLayers& map, const mapping::Landmark& l) {
   if (l.row == 0 || l.position == 0) return "#" + std::to_string(l.id);
-  return row_name(map, l.row) + "/" + std::to_string(l.position);
+  return mapping::row_name(map.row_names, l.row) + "/" + std::to_string(l.position);
 }
 
 std::string note_of(const MapLayers& map, std::int32_t id) {
@@ -46,16 +50,18 @@ std::string note_of(const MapLayers& map, std::int32_t id) {
 
 void write_landmarks(const MapLayers& map, LayerFile& file) {
   const std::optional<geometry::Georeference>& georeference = *map.georeference;
-  GeoLayer layer{"landmarks",
-                 GeoGeometry::kPoint,
-                 "Trees and objects; label: row/tree, or #id. Lengths in metres, diameter_mm and "
-                 "cross_section_cm2 of trunks",
-                 {{"id", GeoType::kInteger},
-                  {"class", GeoType::kText},
-                  {"x_m", GeoType::kReal},
-                  {"y_m", GeoType::kReal},
-                  {"n", GeoType::kInteger}},
-                 qml_text(landmark_style("\"label\""))};
+  GeoLayer layer{
+      "landmarks",
+      GeoGeometry::kPoint,
+      "Trees and objects; kind: tree (in a row), trunk (in none), object, unseen; label: "
+      "row/tree, or #id. Lengths in metres, diameter_mm and cross_section_cm2 of trees, or "
+      "of all trunks in a map without rows",
+      {{"id", GeoType::kInteger},
+       {"class", GeoType::kText},
+       {"x_m", GeoType::kReal},
+       {"y_m", GeoType::kReal},
+       {"n", GeoType::kInteger}},
+      qml_text(landmark_style("\"label\"", "kind"))};
   for (const char* name : {"roc_mean", "probability", "se_x_m", "se_y_m", "width_m"}) {
     layer.fields.push_back({name, GeoType::kReal});
   }
@@ -69,9 +75,11 @@ void write_landmarks(const MapLayers& map, LayerFile& file) {
   }
   layer.fields.push_back({"diameter_mm", GeoType::kReal});
   layer.fields.push_back({"cross_section_cm2", GeoType::kReal});
+  layer.fields.push_back({"kind", GeoType::kText});
   layer.fields.push_back({"label", GeoType::kText});
   layer.fields.push_back({"note", GeoType::kText});
   file.begin_layer(layer);
+  const mapping::KindCounts kinds(*map.landmarks);
   for (const mapping::Landmark& l : *map.landmarks) {
     const Eigen::Vector2d p_map(l.x_m, l.y_m);
     const auto photo = map.photos.find(l.id);
@@ -94,10 +102,11 @@ void write_landmarks(const MapLayers& map, LayerFile& file) {
       values.push_back(place.latitude_deg);
       values.push_back(place.longitude_deg);
     }
-    const bool is_trunk = l.label == Label::kTree && l.width_m > 0.0;
-    const double radius_cm = 50.0 * l.width_m;
-    values.push_back(is_trunk ? GeoValue(1e3 * l.width_m) : GeoValue());
-    values.push_back(is_trunk ? GeoValue(geometry::kPi * radius_cm * radius_cm) : GeoValue());
+    const mapping::Kind kind = mapping::kind_of(l);
+    const bool is_counted = kinds.counts(kind) && l.width_m > 0.0;
+    values.push_back(is_counted ? GeoValue(1e3 * l.width_m) : GeoValue());
+    values.push_back(is_counted ? GeoValue(mapping::tcsa_cm2(l.width_m)) : GeoValue());
+    values.push_back(std::string(kind_word(kind)));
     values.push_back(label_of(map, l));
     const std::string note = note_of(map, l.id);
     values.push_back(note.empty() ? GeoValue() : GeoValue(note));
@@ -171,10 +180,10 @@ void write_rows(const MapLayers& map, LayerFile& file) {
     const auto gaps = std::count_if(row.places.begin(), row.places.end(),
                                     [](const auto& place) { return place.landmark_id == 0; });
     const mapping::RowSpacing spacing = mapping::row_spacing(row);
-    file.add(
-        {integer(row.number), integer(static_cast<std::int64_t>(line.size()) - gaps), integer(gaps),
-         row.spacing_m, spacing.least_m, spacing.most_m, spacing.sd_m, row_name(map, row.number)},
-        line);
+    file.add({integer(row.number), integer(static_cast<std::int64_t>(line.size()) - gaps),
+              integer(gaps), row.spacing_m, spacing.least_m, spacing.most_m, spacing.sd_m,
+              mapping::row_name(map.row_names, row.number)},
+             line);
   }
   style = QgisStyle{};
   style.symbols = {{"", "gap", "cross_fill", kOrange, 2.0}};
@@ -188,9 +197,10 @@ void write_rows(const MapLayers& map, LayerFile& file) {
   for (const mapping::Row& row : *map.rows) {
     for (const mapping::RowSlot& place : row.places) {
       if (place.landmark_id != 0) continue;
-      file.add({integer(row.number), integer(place.position),
-                row_name(map, row.number) + "/" + std::to_string(place.position)},
-               {place.p_map});
+      file.add(
+          {integer(row.number), integer(place.position),
+           mapping::row_name(map.row_names, row.number) + "/" + std::to_string(place.position)},
+          {place.p_map});
     }
   }
 }
@@ -201,11 +211,11 @@ void write_graph(const mapping::NavigationGraph& graph, LayerFile& file) {
     QgisStyle style;
     style.is_line = true;
     style.symbols = {
-        {"", is_alley ? "alley" : "headland", is_alley ? "solid" : "dash", kBlue, 0.3}};
+        {"", is_alley ? "aisle" : "headland", is_alley ? "solid" : "dash", kBlue, 0.3}};
     file.begin_layer(
-        {is_alley ? "alleys" : "headlands",
+        {is_alley ? "aisles" : "headlands",
          GeoGeometry::kLine,
-         is_alley ? "Alleys between rows, with the observed free width [m]"
+         is_alley ? "Aisles between rows, with the observed free width [m]"
                   : "Headland paths around the ends of rows, with the observed free width [m]",
          {{"edge", GeoType::kInteger},
           {"from_node", GeoType::kInteger},
@@ -227,7 +237,7 @@ void write_graph(const mapping::NavigationGraph& graph, LayerFile& file) {
   style.symbols = {{"", "node", "circle", kBlue, 1.0}};
   file.begin_layer({"nodes",
                     GeoGeometry::kPoint,
-                    "Nodes, where alleys and headland paths meet",
+                    "Nodes, where aisles and headland paths meet",
                     {{"node", GeoType::kInteger}},
                     qml_text(style)});
   for (const mapping::NavigationNode& node : graph.nodes) {

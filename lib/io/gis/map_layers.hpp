@@ -18,15 +18,15 @@ namespace orchard::io {
 /// A map as GIS layers: `landmarks` (points with the columns of map.csv, the user's label, diameter
 /// and cross-sectional area of a tree's trunk, latitude and longitude when georeferenced, a note),
 /// `path` (a line per drive), `rows` (a line per row with its spacing), `gaps` (a point per empty
-/// tree position), `alleys` and `headlands` (the paths between rows and around their ends) and
+/// tree position), `aisles` and `headlands` (the paths between rows and around their ends) and
 /// `nodes` (their intersections).
 struct MapLayers {
   const std::vector<mapping::Landmark>* landmarks = nullptr;  ///< required
   std::vector<const std::vector<pose::PoseEstimate>*> trajectories;
   const std::vector<mapping::Row>* rows = nullptr;  ///< required
-  const mapping::NavigationGraph* graph = nullptr;  ///< null: no alleys, headlands and nodes
+  const mapping::NavigationGraph* graph = nullptr;  ///< null: no aisles, headlands and nodes
   const std::optional<geometry::Georeference>* georeference = nullptr;  ///< required
-  std::map<std::int32_t, std::string> row_names{};  ///< of rows with another name than their number
+  mapping::RowNames row_names{};
   std::map<std::int32_t, std::vector<std::string>> notes{};
   std::map<std::int32_t, std::string> photos{};  ///< paths in the map folder, by landmark id
   int num_corrections = 0;  ///< corrections contained in the layers; stored in a GeoPackage

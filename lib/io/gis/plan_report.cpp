@@ -2,12 +2,10 @@
 #include "io/gis/plan_report.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "io/csv.hpp"
-#include "io/file_error.hpp"
 #include "mapping/plan/orchard_plan.hpp"
 #include "text/number_text.hpp"
 
@@ -17,29 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using mapping::PlanDeviation;
 using mapping::PlanFinding;
-
-constexpr char kHeader[] = "id,row,tree";
-
-/// Splits a line into fields; empty if its quotes are not closed.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields{""};
-  bool is_quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && is_quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      fields.back() += '"';
-      ++i;
-    } else if (c == '"') {
-      is_quoted = !is_quoted;
-    } else if (c == ',' && !is_quoted) {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
-  if (is_quoted) fields.clear();
-  return fields;
-}
 
 struct FindingNames {
   std::string row, tree, after;
@@ -77,36 +52,6 @@ Json counts_json(const std::array<int, mapping::kNumPlanDeviations>& counts) {
 }
 
 }  // namespace
-
-std::string plan_names_csv(const std::vector<mapping::PlanName>& names) {
-  std::string text = std::string(kHeader) + "\n";
-  for (const mapping::PlanName& name : names) {
-    text += std::to_string(name.landmark_id) + "," + csv_field(name.row) + "," +
-            csv_field(name.tree) + "\n";
-  }
-  return text;
-}
-
-std::map<std::int32_t, mapping::PlanName> read_plan_names(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::map<std::int32_t, mapping::PlanName> names;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const std::string at = path + ":" + std::to_string(number) + ": ";
-    if (number == 1) {
-      if (line != kHeader) throw FileError(at + "must be " + kHeader);
-      continue;
-    }
-    std::vector<std::string> fields = fields_of(line);
-    const std::int32_t id = fields.size() == 3 ? mapping::number_in_name(fields[0]) : 0;
-    if (id == 0 || line.size() > 1000) throw FileError(at + "must be id,row,tree");
-    if (!names.emplace(id, mapping::PlanName{id, fields[1], fields[2]}).second) {
-      throw FileError(at + "id " + fields[0] + " occurs twice");
-    }
-  }
-  if (names.empty()) throw FileError(path + " cannot be read, or is empty");
-  return names;
-}
 
 std::string plan_csv(const PlanReport& report) {
   std::string text = "row,tree,deviation,id,x_m,y_m,along_m,aside_m,confidence,after_tree\n";

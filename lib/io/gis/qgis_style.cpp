@@ -7,7 +7,8 @@
 namespace orchard::io {
 namespace {
 
-constexpr char kTreeColour[] = "46,125,50", kObjectColour[] = "198,40,40";
+constexpr char kTreeColour[] = "46,125,50", kTrunkColour[] = "190,215,170",
+               kObjectColour[] = "198,40,40";
 constexpr char kUnseenColour[] = "140,140,140";
 
 /// Text as an escaped XML attribute.
@@ -62,10 +63,11 @@ std::string labels_text(const QgisStyle& style) {
 
 }  // namespace
 
-QgisStyle landmark_style(const char* label) {
+QgisStyle landmark_style(const char* label, const char* kind) {
   QgisStyle style;
-  style.field = "class";
-  style.symbols = {{"tree", "tree", "circle", kTreeColour, 2.4},
+  style.field = kind;
+  style.symbols = {{"tree", "tree in a row", "circle", kTreeColour, 2.4},
+                   {"trunk", "trunk in no row", "circle", kTrunkColour, 2.0},
                    {"object", "object", "square", kObjectColour, 2.0},
                    {"unseen", "not seen by the camera", "diamond", kUnseenColour, 2.0}};
   style.label = label;

@@ -20,15 +20,15 @@ struct QgisSymbol {
 struct QgisStyle {
   bool is_line = false;
   bool is_area = false;
-  const char* field = "";  ///< field that distinguishes the kinds; "": one kind
+  const char* field = "";  ///< field or expression that distinguishes the kinds; "": one kind
   std::vector<QgisSymbol> symbols;
   const char* label = "";  ///< expression; "": none
   double label_size_pt = 7.0;
 };
 
-/// Style by the column `class`: trees green, objects red, landmarks never in the camera's view
-/// grey.
-QgisStyle landmark_style(const char* label);
+/// Style by a column or expression that gives tree, trunk, object or unseen: trees in rows green,
+/// other trunks pale green, objects red, landmarks never in the camera's view grey.
+QgisStyle landmark_style(const char* label, const char* kind);
 
 /// Returns the style as QML.
 std::string qml_text(const QgisStyle& style);

@@ -40,8 +40,9 @@ CorrectedMapFolder corrected_map_of(StoredMap mapped,
   CorrectedMapFolder folder;
   folder.mapped = std::move(mapped);
   folder.corrections = std::move(corrections);
-  folder.corrected = mapping::apply_corrections(folder.mapped.landmarks, folder.mapped.next_id,
-                                                folder.corrections);
+  folder.corrected = mapping::apply_corrections(
+      folder.mapped.landmarks, folder.mapped.next_id, folder.corrections,
+      mapping::plan_row_names(folder.mapped.landmarks, folder.mapped.plan_names));
   std::map<std::int32_t, const mapping::Landmark*> as_mapped;
   for (const mapping::Landmark& l : folder.mapped.landmarks) as_mapped[l.id] = &l;
   const auto was = [&](const mapping::Landmark& l) {

@@ -24,9 +24,11 @@
 #include "io/folder.hpp"
 #include "io/gis/map_layers.hpp"
 #include "io/map/map_csv.hpp"
+#include "io/map/plan_names.hpp"
 #include "io/map/rounded.hpp"
 #include "io/map/stored_map.hpp"
 #include "mapping/album/album.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/number_text.hpp"
 #include "timing/drive_time.hpp"
@@ -39,6 +41,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using mapping::Kind;
 
 constexpr const char* kFolder = "album";
 constexpr const char* kTable = "album.csv";
@@ -78,11 +81,6 @@ bool is_tile_file(const std::string& name) {
   static const std::regex kNames(
       "(-?[0-9]+_-?[0-9]+|index)\\.js|\\.(-?[0-9]+_-?[0-9]+|index)\\.[0-9]+-[0-9]+\\.js");
   return std::regex_match(name, kNames);
-}
-
-std::int64_t count_of(const MapFolderContent& content, detection::Label label) {
-  return std::count_if(content.landmarks.begin(), content.landmarks.end(),
-                       [label](const mapping::Landmark& l) { return l.label == label; });
 }
 
 double path_length_m(const std::vector<pose::PoseEstimate>& path) {
@@ -179,6 +177,7 @@ view::MapData page_data(const MapFolderContent& content,
   data.paths.push_back(&content.trajectory);
   for (const auto& trajectory : content.more_trajectories) data.paths.push_back(&trajectory);
   data.georeference = content.georeference;
+  data.row_names = mapping::plan_row_names(content.landmarks, content.plan_names);
   for (const mapping::AlbumEntry& entry : album) {
     data.photographs.emplace_back(entry.landmark_id, &entry.photograph->jpeg);
   }
@@ -206,9 +205,11 @@ std::string summary_json(const MapFolderContent& content) {
   json["first_utime_us"] = summary.first_utime;
   json["last_utime_us"] = summary.last_utime;
   json["landmarks"]["total"] = content.landmarks.size();
-  json["landmarks"]["tree"] = count_of(content, detection::Label::kTree);
-  json["landmarks"]["object"] = count_of(content, detection::Label::kObject);
-  json["landmarks"]["unseen"] = count_of(content, detection::Label::kUnseen);
+  const mapping::KindCounts kinds(content.landmarks);
+  json["landmarks"]["tree"] = kinds.of(Kind::kTree) + kinds.of(Kind::kTrunk);
+  json["landmarks"]["tree_in_row"] = kinds.of(Kind::kTree);
+  json["landmarks"]["object"] = kinds.of(Kind::kObject);
+  json["landmarks"]["unseen"] = kinds.of(Kind::kUnseen);
   if (content.tree_scatter_m) json["tree_scatter_m"] = millimetres(*content.tree_scatter_m);
   json["rows"] = Json::array();
   for (const mapping::Row& row : content.rows) {
@@ -285,9 +286,11 @@ std::string photo_path(std::int32_t landmark_id) {
 void write_map_folder(const std::string& folder, const MapFolderContent& content) {
   make_folder(folder, "choose another folder for the map");
   const std::filesystem::path path(folder);
-  const auto figure = [&content, heading = heading_of(content)](FigureFormat format) {
+  const mapping::RowNames row_names =
+      mapping::plan_row_names(content.landmarks, content.plan_names);
+  const auto figure = [&](FigureFormat format) {
     return map_figure(content.landmarks, content.trajectory, content.rows, content.graph, format,
-                      heading);
+                      heading_of(content), row_names);
   };
   const std::vector<mapping::AlbumEntry> album =
       mapping::choose_photographs(content.landmarks, content.photographs, content.album_bytes_max);
@@ -307,6 +310,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   layers.graph = &content.graph;
   layers.georeference = &content.georeference;
   layers.photos = photos;
+  layers.row_names = row_names;
   files.write((path / "map.gpkg").string(), map_geopackage(layers));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
@@ -326,12 +330,17 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                 trajectory_csv_pieces(content.more_trajectories[k]));
   }
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
+  if (!content.plan_names.empty()) {
+    files.write((path / "names.csv").string(), plan_names_csv(content.plan_names));
+  }
   files.write((path / "graph.json").string(), graph_json(content.graph));
   files.write((path / "summary.json").string(), summary_json(content));
   // If the disk is full, every other file remains unchanged.
   write_album(folder, album);
   write_map_tiles(folder, tiles ? &*tiles : nullptr);
   files.commit();
+  std::error_code error;
+  if (content.plan_names.empty()) fs::remove(path / "names.csv", error);
 }
 
 }  // namespace orchard::io

@@ -12,6 +12,7 @@
 #include "mapping/album/album.hpp"
 #include "mapping/compare/visibility.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/plan/plan_match.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
 #include "pose/pose_estimate.hpp"
@@ -55,6 +56,7 @@ struct MapFolderContent {
   std::optional<geometry::Georeference> georeference{};
   std::optional<mapping::SensorView> view{};  ///< sensor coverage; used by `orchard compare`
   std::string ids_csv{};                      ///< ids.csv of a merged map; empty: none
+  mapping::PlanNames plan_names{};            ///< of the grower's plan; empty: none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
   std::vector<DegradedInterval> degraded{};   ///< in order of time
   std::int32_t next_id = 0;                   ///< above every id of this and earlier maps
@@ -64,9 +66,10 @@ struct MapFolderContent {
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and trajectory.tum
 /// (trajectory_2.csv ... for more drives), graph.json, summary.json, map_tiles/ of a large map, and
-/// ids.csv if there is one, into `folder` (created if missing). All files are written and synced
-/// under temporary names before the first is renamed. Equal content gives equal bytes. Throws
-/// FileError and then leaves every earlier file unchanged.
+/// ids.csv and names.csv if there are any, into `folder` (created if missing). All files are
+/// written and synced under temporary names before the first is renamed; then names of an earlier
+/// map are removed. Equal content gives equal bytes. Throws FileError and then leaves every earlier
+/// file unchanged.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
 
 }  // namespace orchard::io

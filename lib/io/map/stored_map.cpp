@@ -14,6 +14,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
+#include "io/map/plan_names.hpp"
 #include "io/map/rounded.hpp"
 #include "io/sane_limits.hpp"
 #include "text/encoded_text.hpp"
@@ -194,8 +195,8 @@ mapping::NavigationGraph read_graph_json(const std::string& path) {
     mapping::NavigationEdge edge;
     edge.id = entry.whole("id", 1);
     const std::string kind = entry.text("kind");
-    if (kind != "alley" && kind != "headland") entry.fail("kind must be alley or headland");
-    const bool is_alley = kind == "alley";
+    const bool is_alley = kind == "aisle" || kind == "alley";  // "alley" until version 0.1
+    if (!is_alley && kind != "headland") entry.fail("kind must be aisle or headland");
     edge.kind = is_alley ? mapping::EdgeKind::kAlley : mapping::EdgeKind::kHeadland;
     edge.from = entry.whole("from", 1);
     edge.to = entry.whole("to", 1);
@@ -227,7 +228,7 @@ std::string graph_json(const mapping::NavigationGraph& graph) {
     Json line = Json::array();
     for (const Eigen::Vector2d& p : edge.line_map) line.push_back(place(p));
     Json entry{{"id", edge.id},
-               {"kind", is_alley ? "alley" : "headland"},
+               {"kind", is_alley ? "aisle" : "headland"},
                {"from", edge.from},
                {"to", edge.to}};
     if (is_alley) {
@@ -267,6 +268,9 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
   }
   if (fs::exists(folder / "graph.json"))
     map.graph = read_graph_json((folder / "graph.json").string());
+  if (fs::exists(folder / "names.csv")) {
+    map.plan_names = read_plan_names((folder / "names.csv").string());
+  }
   for (int k = 1;; ++k) {
     const fs::path path =
         folder / (k == 1 ? "trajectory.csv" : "trajectory_" + std::to_string(k) + ".csv");
@@ -277,7 +281,8 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
   return map;
 }
 
-SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel) {
+SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel,
+                                const std::string& scan_count, const std::string& picture_count) {
   namespace fs = std::filesystem;
   fs::path folder(folder_or_csv);
   if (!fs::is_directory(folder)) folder = folder.parent_path();
@@ -294,6 +299,9 @@ SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_vi
         static_cast<std::int64_t>(summary.number("first_utime_us", -kUtimeMax, kUtimeMax)));
   }
   if (summary.has("version")) facts.version = printable_text(summary.text("version"));
+  if (json.contains("counts") && json["counts"].contains(scan_count)) {
+    facts.has_pictures = json["counts"].contains(picture_count);
+  }
   if (summary.has("degraded")) {
     for (const Value& interval : summary.list("degraded")) {
       add_interval(interval, fix_channel, facts);

@@ -10,6 +10,7 @@
 #include "geometry/georeference.hpp"
 #include "mapping/compare/visibility.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/plan/plan_match.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -26,8 +27,9 @@ struct StoredMap {
   std::vector<std::vector<pose::PoseEstimate>> trajectories;  ///< one per drive; empty: unknown
   mapping::SensorView view;  ///< default values if the folder has none
   std::optional<geometry::Georeference> georeference;
-  mapping::NavigationGraph graph;  ///< of graph.json; empty if there is none
-  std::int32_t next_id = 1;        ///< above every id of this and earlier maps
+  mapping::NavigationGraph graph;   ///< of graph.json; empty if there is none
+  mapping::PlanNames plan_names{};  ///< of names.csv; empty if no plan was laid on the map
+  std::int32_t next_id = 1;         ///< above every id of this and earlier maps
 };
 
 /// Reads a map folder, or only its map.csv (then path, view and graph are unknown).
@@ -38,8 +40,9 @@ StoredMap read_stored_map(const std::string& folder_or_csv);
 
 /// Facts from a map's summary.json that a report mentions; empty if there is no such file.
 struct SummaryFacts {
-  std::string day;      ///< date of the drive, "2026-11-22"; empty: unknown
-  std::string version;  ///< version of the program that made the map
+  std::string day;                     ///< date of the drive, "2026-11-22"; empty: unknown
+  std::string version;                 ///< version of the program that made the map
+  std::optional<bool> has_pictures{};  ///< whether the run had pictures; none: unknown
   double without_pictures_s = 0.0;
   int num_met_without_pictures = 0;  ///< landmarks first seen then
   double without_fixes_s = 0.0;
@@ -48,7 +51,9 @@ struct SummaryFacts {
 
 /// Reads the summary.json beside a map.csv or in a map folder; a missing file gives empty facts.
 /// `fix_channel`: name under which missing fixes are listed; all other missing inputs are counted
-/// as images. Throws FileError for invalid JSON or another structure.
-SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel);
+/// as images. `scan_count`, `picture_count`: names under which both are counted. Throws FileError
+/// for invalid JSON or another structure.
+SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel,
+                                const std::string& scan_count, const std::string& picture_count);
 
 }  // namespace orchard::io

@@ -14,6 +14,7 @@
 #include "io/file_error.hpp"
 #include "io/gis/qgis_style.hpp"
 #include "io/postgis/schema_text.hpp"
+#include "mapping/kind.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -52,6 +53,7 @@ void require_no_password(const std::string& url) {
 }
 
 /// Label: row and tree such as "3/14", else "#id".
+constexpr char kKind[] = R"(if("class" = 'tree' AND "row" IS NULL, 'trunk', "class"))";
 constexpr char kLabel[] =
     "coalesce(coalesce(\"row_name\", to_string(\"row\")) || '/' || coalesce(\"tree_name\", "
     "to_string(\"position\")), '#' || to_string(\"id\"))";
@@ -179,7 +181,7 @@ class PostgresConnection {
 /// GeoPackage. QGIS reads styles from `public.layer_styles`; without the right to write there, the
 /// tables are published without a style.
 void style_for_qgis(PostgresConnection& connection) {
-  connection.run((kBegin + qml_text(landmark_style(kLabel)) + kEnd).c_str());
+  connection.run((kBegin + qml_text(landmark_style(kLabel, kKind)) + kEnd).c_str());
 }
 
 constexpr std::size_t kLinesAtOnce = 1000;
@@ -311,10 +313,11 @@ PublishedCounts publish(const std::string& url, const Publication& publication,
       visit);
   connection.run(
       "INSERT INTO orchard.visit (block, date, num_trees, source) SELECT $1, $2::date, "
-      "(SELECT count(*) FROM incoming WHERE class = 'tree'), $3 ON CONFLICT (block, date) "
+      "$3::integer, $4 ON CONFLICT (block, date) "
       "DO UPDATE SET num_trees = excluded.num_trees, source = excluded.source, "
       "published_at = now(), published_by = session_user",
-      {publication.block, publication.date, publication.source});
+      {publication.block, publication.date,
+       std::to_string(mapping::counted_trunks(publication.landmarks).size()), publication.source});
   connection.commit();
   return counts;
 }

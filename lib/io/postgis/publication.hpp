@@ -19,8 +19,8 @@ struct Publication {
   };
 
   std::string block;
-  std::string date;  ///< YYYY-MM-DD
-  std::string source;
+  std::string date;    ///< YYYY-MM-DD
+  std::string source;  ///< name of the map, shown to all who read the table
   std::vector<mapping::Landmark> landmarks;
   std::vector<Name> names;  ///< in the order of the landmarks; empty: no names
   std::optional<geometry::Georeference> georeference;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/georeference.hpp"
+#include "io/csv.hpp"
 #include "io/figure/map_frame.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "io/report/document.hpp"
@@ -27,11 +29,12 @@ namespace {
 using mapping::Change;
 using mapping::GrowthByRow;
 using mapping::Inventory;
+using mapping::Kind;
 using mapping::Landmark;
 using mapping::RowInventory;
 
-constexpr Colour kTree{70, 150, 80}, kTreeBorder{25, 90, 40}, kGap{224, 140, 20},
-    kOther{150, 150, 150};
+constexpr Colour kTree{70, 150, 80}, kTreeBorder{25, 90, 40}, kTrunk{205, 222, 190},
+    kTrunkBorder{140, 165, 120}, kGap{224, 140, 20}, kOther{150, 150, 150};
 constexpr Colour kRowText{60, 110, 70}, kBar{90, 150, 105};
 constexpr double kTreePx = 4.0, kTreeManyPx = 2.5, kGapPx = 3.5;
 constexpr std::size_t kMany = 400;
@@ -43,10 +46,12 @@ void draw_gap(PixelPoint centre, double radius_px, Canvas& canvas) {
 /// All data for the drawing, copied because it is drawn later.
 struct Block {
   std::vector<Landmark> landmarks;
+  mapping::KindCounts kinds;
   std::vector<mapping::InventoryGap> gaps;
   std::map<std::int32_t, std::map<std::int32_t, Eigen::Vector2d>> rows;  ///< trees by position
   double tree_px = kTreePx;
-  std::string row_short;
+  mapping::RowNames row_names;
+  std::string row_short;  ///< before the number of a row without name
 };
 
 std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) {
@@ -54,6 +59,11 @@ std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) 
   items.push_back({texts.legend_tree, [](PixelPoint centre, Canvas& canvas) {
                      canvas.circle(centre, kTreePx, kTree, kTreeBorder);
                    }});
+  if (block.kinds.has_rows() && block.kinds.of(mapping::Kind::kTrunk) > 0) {
+    items.push_back({texts.legend_other, [](PixelPoint centre, Canvas& canvas) {
+                       canvas.circle(centre, kTreePx, kTrunk, kTrunkBorder);
+                     }});
+  }
   if (!block.gaps.empty()) {
     items.push_back({texts.legend_gap,
                      [](PixelPoint centre, Canvas& canvas) { draw_gap(centre, kGapPx, canvas); }});
@@ -74,7 +84,8 @@ void draw_row_numbers(const Block& block, const MapFrame& frame, LabelPlacement&
     const double length_px = std::hypot(from.x - to.x, from.y - to.y);
     const double fraction = length_px > 0.0 ? kOut_px / length_px : 0.0;
     draw_label({from.x + fraction * (from.x - to.x), from.y + fraction * (from.y - to.y)}, 0.0,
-               block.row_short + std::to_string(number), kText_px, kRowText, placement, &canvas);
+               mapping::row_name(block.row_names, number, block.row_short), kText_px, kRowText,
+               placement, &canvas);
   }
 }
 
@@ -95,24 +106,30 @@ void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
     draw_gap(p, 0.9 * block.tree_px, canvas);
     take(p, block.tree_px);
   }
-  for (const Landmark& l : block.landmarks) {
-    if (l.label != detection::Label::kTree) continue;
-    const PixelPoint p = frame.at(l.x_m, l.y_m);
-    const double radius_px = std::max(block.tree_px, 0.5 * l.width_m * frame.px_per_m());
-    canvas.circle(p, radius_px, kTree, kTreeBorder);
-    take(p, radius_px);
+  for (const bool is_counted : {false, true}) {  // trees on top
+    for (const Landmark& l : block.landmarks) {
+      if (l.label != detection::Label::kTree) continue;
+      if (block.kinds.counts(mapping::kind_of(l)) != is_counted) continue;
+      const PixelPoint p = frame.at(l.x_m, l.y_m);
+      const double radius_px = std::max(block.tree_px, 0.5 * l.width_m * frame.px_per_m());
+      canvas.circle(p, radius_px, is_counted ? kTree : kTrunk,
+                    is_counted ? kTreeBorder : kTrunkBorder);
+      take(p, radius_px);
+    }
   }
   draw_row_numbers(block, frame, placement, canvas);
 }
 
 /// Draws the block for the grower: trees by trunk diameter, gaps, other objects and row numbers.
-DocumentFigure block_figure(const std::vector<Landmark>& landmarks,
-                            const mapping::Inventory& inventory, std::optional<double> north_rad,
+DocumentFigure block_figure(const ReportContent& content, const mapping::Inventory& inventory,
                             const ReportTexts& texts) {
+  const std::vector<Landmark>& landmarks = content.map.landmarks;
   auto block = std::make_shared<Block>();
   block->landmarks = landmarks;
+  block->kinds = inventory.kinds;
   block->gaps = inventory.all.gaps;
   block->tree_px = landmarks.size() > kMany ? kTreeManyPx : kTreePx;
+  block->row_names = content.row_names;
   block->row_short = texts.row_short;
   std::vector<Eigen::Vector2d> points;
   for (const Landmark& l : landmarks) {
@@ -122,7 +139,9 @@ DocumentFigure block_figure(const std::vector<Landmark>& landmarks,
     }
   }
   MapHeading heading;
-  heading.north_rad = north_rad;
+  if (const auto& georeference = content.map.georeference) {
+    heading.north_rad = 0.5 * geometry::kPi - georeference->yaw_rad;
+  }
   const auto frame = std::make_shared<const MapFrame>(points, legend_of(*block, texts), heading,
                                                       PlotSizeMax{760.0, 860.0});
   return {frame->width_px(), frame->height_px(),
@@ -187,10 +206,10 @@ class Writer {
     document_.title = say(texts_.title, {content_.name});
     document_.subtitle = say(texts_.subtitle, {day, content_.facts.version});
     write_counts();
-    write_rows();
+    if (!inventory_.rows.empty()) write_rows();
     write_diameters();
     write_picture();
-    write_gaps();
+    if (!inventory_.rows.empty()) write_gaps();
     write_plan();
     write_changes();
     write_not_seen();
@@ -213,37 +232,33 @@ class Writer {
   void heading(const char* text) { document_.parts.push_back(DocumentHeading{text}); }
   void text(std::string text) { document_.parts.push_back(DocumentText{std::move(text)}); }
   std::string row_name(std::int32_t row) const {
-    if (row <= 0) return texts_.no_row;
-    const auto name = content_.row_names.find(row);
-    return name == content_.row_names.end() ? std::to_string(row) : name->second;
+    return mapping::row_name(content_.row_names, row);
   }
 
   void write_counts() {
     heading(texts_.counts);
-    int num_rows = 0, num_without = 0;
-    for (const RowInventory& row : inventory_.rows) {
-      num_rows += row.row > 0;
-      if (row.row == 0) num_without = row.num_trees;
+    const RowInventory &all = inventory_.all, &other = inventory_.other;
+    if (inventory_.rows.empty()) {
+      text(say(texts_.trunks, {number(all.num_trees)}));
+    } else {
+      text(say(texts_.trees,
+               {number(all.num_trees), number(static_cast<int>(inventory_.rows.size()))}));
+      text(say(texts_.gaps, {number(static_cast<int>(all.gaps.size()))}));
     }
-    const RowInventory& all = inventory_.all;
-    text(say(texts_.trees, {number(all.num_trees - num_without), number(num_rows)}));
-    if (num_without > 0) text(say(texts_.trees_no_row, {number(num_without)}));
-    text(say(texts_.gaps, {number(static_cast<int>(all.gaps.size()))}));
-    if (inventory_.num_objects > 0) {
-      text(say(texts_.objects, {number(inventory_.num_objects)}));
+    if (all.num_measured > 0) {
+      text(say(texts_.area, {number(all.tcsa_cm2, 0), number(all.tcsa_cm2 / all.num_measured, 1)}));
+      text(texts_.area_note);
     }
-    if (all.num_measured == 0) return;
-    text(say(texts_.area, {number(all.tcsa_cm2, 0), number(all.tcsa_cm2 / all.num_measured, 1)}));
-    text(texts_.area_note);
+    if (other.num_trees > 0) {
+      text(say(texts_.other_trunks, {number(other.num_trees), number(other.tcsa_cm2, 0)}));
+    }
+    const int num_objects = inventory_.kinds.of(Kind::kObject);
+    if (num_objects > 0) text(say(texts_.objects, {number(num_objects)}));
   }
 
   void write_picture() {
     heading(texts_.picture);
-    std::optional<double> north_rad;
-    if (content_.map.georeference) {
-      north_rad = 0.5 * geometry::kPi - content_.map.georeference->yaw_rad;
-    }
-    document_.parts.push_back(block_figure(content_.map.landmarks, inventory_, north_rad, texts_));
+    document_.parts.push_back(block_figure(content_, inventory_, texts_));
   }
 
   std::vector<std::string> row_cells(const std::string& name, const RowInventory& row,
@@ -287,6 +302,20 @@ class Writer {
     }
     table.rows.push_back(row_cells(texts_.total, inventory_.all, mapping::kGrowthOfAll));
     document_.parts.push_back(std::move(table));
+    write_late_rows();
+  }
+
+  /// Says why rows begin with another number than the others.
+  void write_late_rows() {
+    std::int32_t first = std::numeric_limits<std::int32_t>::max();
+    for (const RowInventory& row : inventory_.rows) first = std::min(first, row.first_position);
+    std::string late;
+    for (const RowInventory& row : inventory_.rows) {
+      if (row.first_position <= first) continue;
+      late += (late.empty() ? "" : ", ") +
+              say(texts_.late_row, {row_name(row.row), number(row.first_position)});
+    }
+    if (!late.empty()) text(say(texts_.late_rows, {late}));
   }
 
   void write_diameters() {
@@ -352,6 +381,20 @@ class Writer {
     document_.parts.push_back(std::move(table));
   }
 
+  /// Number of trees that count with this change, in the map that has them.
+  int num_changed(Change change) const {
+    const auto& before = content_.earlier->landmarks;
+    const auto& now = content_.map.landmarks;
+    const mapping::KindCounts kinds_before(before);
+    const auto& changes = content_.earlier->comparison.changes;
+    return static_cast<int>(std::count_if(changes.begin(), changes.end(), [&](const auto& c) {
+      const Landmark& l = c.b >= 0 ? now.at(static_cast<std::size_t>(c.b))
+                                   : before.at(static_cast<std::size_t>(c.a));
+      const mapping::KindCounts& kinds = c.b >= 0 ? inventory_.kinds : kinds_before;
+      return c.change == change && kinds.counts(mapping::kind_of(l));
+    }));
+  }
+
   void write_changes() {
     if (!content_.earlier) return;
     heading(texts_.changes);
@@ -369,7 +412,7 @@ class Writer {
          {Change::kUnchanged, texts_.unchanged},
          {Change::kNotSeen, texts_.not_compared}}};
     for (const auto& [change, words] : changes) {
-      table.rows.push_back({words, number(earlier.comparison.count(change))});
+      table.rows.push_back({words, number(num_changed(change))});
     }
     document_.parts.push_back(std::move(table));
     heading(texts_.growth);
@@ -382,11 +425,13 @@ class Writer {
   void write_not_seen() {
     heading(texts_.not_seen);
     const SummaryFacts& facts = content_.facts;
-    if (inventory_.num_unseen > 0) {
-      text(say(texts_.unseen, {number(inventory_.num_unseen)}));
-    } else {
+    if (const int num_unseen = inventory_.kinds.of(Kind::kUnseen); num_unseen > 0) {
+      const bool has_camera = facts.has_pictures.value_or(false);
+      text(say(has_camera ? texts_.unseen : texts_.unclassified, {number(num_unseen)}));
+    } else if (facts.has_pictures == true) {
       text(texts_.all_seen);
     }
+    if (facts.has_pictures == false) text(texts_.no_camera);
     if (facts.without_pictures_s > 0.0) {
       text(say(texts_.without_pictures,
                {number(facts.without_pictures_s, 0), number(facts.num_met_without_pictures)}));
@@ -452,7 +497,7 @@ std::vector<std::vector<std::string>> report_table(const ReportContent& content)
   const auto line = [&](const std::string& name, const RowInventory& row, std::int32_t of) {
     std::string positions;
     for (const mapping::InventoryGap& gap : row.gaps) {
-      if (of >= 0) positions += (positions.empty() ? "" : " ") + std::to_string(gap.position);
+      if (of > 0) positions += (positions.empty() ? "" : " ") + std::to_string(gap.position);
     }
     table.push_back({name, std::to_string(row.num_trees), std::to_string(row.gaps.size()),
                      positions, fixed_text(100.0 * row.diameter_mean_m, 2),
@@ -463,8 +508,11 @@ std::vector<std::vector<std::string>> report_table(const ReportContent& content)
     table.back().push_back(fixed_text(g.tcsa_change_cm2, 1));
     table.back().push_back(fixed_text(g.percent(), 2));
   };
-  for (const RowInventory& row : inventory.rows) line(std::to_string(row.row), row, row.row);
+  for (const RowInventory& row : inventory.rows) {
+    line(csv_field(mapping::row_name(content.row_names, row.row)), row, row.row);
+  }
   line("all", inventory.all, mapping::kGrowthOfAll);
+  if (inventory.other.num_trees > 0) line("other_trunks", inventory.other, 0);
   return table;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "io/report/report_texts.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "mapping/inventory/inventory.hpp"
+#include "mapping/rows/rows.hpp"
 
 namespace orchard::io {
 
@@ -41,7 +41,7 @@ struct ReportContent {
   StoredMap map;
   std::optional<EarlierMap> earlier{};
   std::optional<PlanCounts> plan{};
-  std::map<std::int32_t, std::string> row_names{};  ///< of rows with another name than their number
+  mapping::RowNames row_names{};
 };
 
 /// Builds the report from texts, tables and figures.
@@ -49,8 +49,9 @@ Document map_report(const ReportContent& content, const ReportTexts& texts);
 
 /// Table of the rows, column names first:
 /// `row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2` and, with an
-/// earlier map, `measured_twice,tcsa_growth_cm2,tcsa_growth_percent`. Row 0 is landmarks outside
-/// rows, "all" the total. The decimal sign is a point in every language.
+/// earlier map, `measured_twice,tcsa_growth_cm2,tcsa_growth_percent`. Rows by name, "all" the
+/// total, "other_trunks" those in no row, if there are any; they are not in the total. The decimal
+/// sign is a point in every language.
 std::vector<std::vector<std::string>> report_table(const ReportContent& content);
 
 /// Formats that table as CSV.

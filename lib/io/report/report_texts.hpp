@@ -24,13 +24,18 @@ struct ReportTexts {
   const char* unknown_day = of("an unknown day", "día desconocido");
   // What was counted.
   const char* counts = of("Contents of the block", "Qué hay en la parcela");
-  const char* trees = of("{} trees in {} rows.", "{} árboles en {} filas.");
-  const char* trees_no_row =
-      of("{} more trees are outside the rows.", "{} árboles más están fuera de las filas.");
-  const char* gaps = of("{} empty places between the trees of the rows.",
-                        "{} marras (puestos vacíos) entre los árboles de las filas.");
+  const char* trees = of("Trees in rows: {}; rows: {}.", "Árboles en filas: {}; filas: {}.");
+  const char* trunks =
+      of("Trunks: {}. The map has no rows.", "Troncos: {}. El mapa no tiene filas.");
+  const char* other_trunks =
+      of("Other trunks, in no row: {}, with {} cm² of cross-sectional area. They may be bushes, "
+         "posts, parts of a hedge or trees that stand alone, and are in no sum of this report.",
+         "Otros troncos, sin fila: {}, con {} cm² de sección. Pueden ser matas, postes, partes de "
+         "un seto o árboles sueltos, y no entran en ninguna suma de este informe.");
+  const char* gaps = of("Empty places between the trees of the rows: {}.",
+                        "Marras (puestos vacíos) entre los árboles de las filas: {}.");
   const char* objects =
-      of("{} other objects, such as posts and crates.", "{} objetos más, como postes y cajas.");
+      of("Other objects, such as posts and crates: {}.", "Otros objetos, como postes y cajas: {}.");
   const char* area =
       of("Trunk cross-sectional area: {} cm² in all, {} cm² per tree on average.",
          "Área de la sección transversal del tronco: {} cm² en total, {} cm² por árbol de media.");
@@ -43,6 +48,7 @@ struct ReportTexts {
   // The block's picture.
   const char* picture = of("The block", "La parcela");
   const char* legend_tree = of("tree", "árbol");
+  const char* legend_other = of("other trunk", "otro tronco");
   const char* legend_gap = of("empty place", "marra");
   const char* legend_object = of("other object", "otro objeto");
   const char* row_short = of("R", "F");
@@ -56,7 +62,14 @@ struct ReportTexts {
   const char* column_diameter = of("diameter, cm", "diámetro, cm");
   const char* column_area = of("TCSA, cm²", "ASTT, cm²");
   const char* column_area_error = of("± cm²", "± cm²");
-  const char* no_row = of("no row", "sin fila");
+  /// {}: rows and the number that each begins with
+  const char* late_rows =
+      of("Rows whose first places are empty: {}. Their numbers are counted from where the rows "
+         "around them, or the plan, begin.",
+         "Filas con los primeros puestos vacíos: {}. Sus números se cuentan desde donde empiezan "
+         "las filas de alrededor, o el plano.");
+  /// {}: the row, {}: a number
+  const char* late_row = of("{} (begins at {})", "{} (empieza en {})");
   const char* total = of("all", "total");
   // Diameters.
   const char* diameters = of("Trunk diameters", "Diámetro de los troncos");
@@ -109,39 +122,44 @@ struct ReportTexts {
   const char* shifted = of("shifted as a whole", "fila desplazada entera");
   // What was not seen.
   const char* not_seen = of("What was not observed, and why", "Qué no se vio, y por qué");
-  const char* unseen =
-      of("{} objects were never in the view of the camera: it is not known whether they are trees, "
-         "and they are not counted.",
-         "{} objetos no estuvieron nunca a la vista de la cámara: no se sabe si son árboles, y no "
-         "se cuentan.");
+  const char* unseen = of(
+      "Never in the view of the camera: {}. It is not known whether they are trees, and they are "
+      "not counted.",
+      "Nunca a la vista de la cámara: {}. No se sabe si son árboles, y no se cuentan.");
+  const char* unclassified =
+      of("Known neither as a trunk nor as another object: {}. They are not counted.",
+         "No se sabe si son troncos u otros objetos: {}. No se cuentan.");
   const char* all_seen = of("Everything in the map was in the view of the camera.",
                             "Todo lo que está en el mapa estuvo a la vista de la cámara.");
+  const char* no_camera = of("The map was made without a camera: the laser alone has seen it.",
+                             "El mapa se hizo sin cámara: solo lo vio el láser.");
   const char* without_pictures =
-      of("For {} s there were no pictures; {} objects were first observed in that time.",
-         "Durante {} s no hubo imágenes; {} objetos se encontraron entonces por primera vez.");
+      of("For {} s there were no pictures; objects first observed in that time: {}.",
+         "Durante {} s no hubo imágenes; objetos que se encontraron entonces por primera vez: {}.");
   const char* without_fixes = of("For {} s there was no satellite position.",
                                  "Durante {} s no hubo posición por satélite.");
-  const char* changes_not_seen =
-      of("{} trees of the earlier map were out of view in this drive.",
-         "{} árboles del mapa anterior no estuvieron esta vez a la vista.");
+  const char* changes_not_seen = of("Trees of the earlier map out of view in this drive: {}.",
+                                    "Árboles del mapa anterior que esta vez no se vieron: {}.");
   const char* warnings = of("Warnings of the program while mapping (in English): {}",
                             "Mientras se hacía el mapa, el programa avisó (en inglés): {}");
   // How sure.
   const char* how_sure = of("Uncertainty", "Con qué seguridad se sabe");
   const char* sure =
-      of("Of the trees {} are sure (95 % or more), {} likely (80 % or more), {} unsure.",
-         "De los árboles, {} son seguros (95 % o más), {} probables (80 % o más) y {} dudosos.");
+      of("Sure trees (95 % or more): {}; likely ones (80 % or more): {}; unsure ones: {}.",
+         "Árboles seguros (95 % o más): {}; probables (80 % o más): {}; dudosos: {}.");
   const char* places =
-      of("The median uncertainty of a tree's position in the map is {} cm.",
+      of("By the scatter of its observations, a tree's position among its neighbours is known to "
+         "about {} cm (half of the trees better).",
          "Según la dispersión de sus observaciones, el sitio de un árbol entre sus vecinos se "
          "conoce con unos {} cm de error (la mitad de los árboles, mejor).");
-  const char* widths = of("The median uncertainty of a trunk's diameter is {} mm.",
-                          "También según su dispersión, el diámetro de un tronco se conoce con "
-                          "unos {} mm de error (la mitad, mejor).");
+  const char* widths =
+      of("Likewise, the diameter of a trunk is known to about {} mm (half of them better).",
+         "También según su dispersión, el diámetro de un tronco se conoce con unos {} mm de error "
+         "(la mitad, mejor).");
   const char* width_bias =
-      of("The ± in these tables is the scatter of single measurements. An error common to all "
-         "trunks, such as that of the scanner's calibration, is not included; it cancels between "
-         "two drives of one robot.",
+      of("The ± in these tables is the scatter alone. What is common to all comes on top: of "
+         "diameters the error of the scanner's calibration, which cancels between two drives of "
+         "one robot; of positions that of the robot's path.",
          "El ± de estas tablas es solo el de la dispersión. Se le añade lo que es común a todos: "
          "en los diámetros, el error de calibración del escáner, que se anula entre dos recorridos "
          "del mismo robot; en los sitios, el del recorrido del robot.");

@@ -31,9 +31,11 @@ bool is_alike(const CorrectionTarget& target, const Landmark& l) {
 /// Applies corrections one by one to a map.
 class Applier {
  public:
-  Applier(const std::vector<Landmark>& landmarks, std::int32_t next_id)
+  Applier(const std::vector<Landmark>& landmarks, std::int32_t next_id,
+          std::map<std::int32_t, std::string> row_names)
       : reach_m_(pairing_gate_m(geometry::IndexedPoints(landmark_positions(landmarks)))),
-        next_id_(std::max(1, next_id)) {
+        next_id_(std::max(1, next_id)),
+        row_names_(std::move(row_names)) {
     for (const Landmark& l : landmarks) {
       put(l);
       if (l.row != 0) rows_.insert(l.row);
@@ -337,8 +339,9 @@ int CorrectedMap::count(CorrectionOutcome outcome) const {
 }
 
 CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int32_t next_id,
-                               const std::vector<Correction>& corrections) {
-  Applier applier(landmarks, next_id);
+                               const std::vector<Correction>& corrections,
+                               std::map<std::int32_t, std::string> row_names) {
+  Applier applier(landmarks, next_id, std::move(row_names));
   const std::vector<bool> holds = corrections_that_hold(corrections);
   std::vector<CorrectionResult> results;
   for (std::size_t i = 0; i < corrections.size(); ++i) {

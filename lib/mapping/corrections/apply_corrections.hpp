@@ -47,8 +47,10 @@ struct CorrectedMap {
 /// nothing, like an undone correction. Reach: 0.35 of the typical spacing, 0.1 to 0.5 m, as for
 /// keeping ids between two drives. Added landmarks have no observations, and width 0 if it is
 /// unknown.
+/// `row_names`: names that rows have before the corrections, by number.
 CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int32_t next_id,
-                               const std::vector<Correction>& corrections);
+                               const std::vector<Correction>& corrections,
+                               std::map<std::int32_t, std::string> row_names = {});
 
 /// derived: Max ratio of the widths of one object.
 inline constexpr double kLikeWidth = 2.0;

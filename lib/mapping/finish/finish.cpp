@@ -77,6 +77,7 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
       number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
     }
   }
+  if (config.rows.enabled) number_trunks_in_gaps(map.landmarks);
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -15,6 +14,7 @@ namespace orchard::mapping {
 
 GrowthByRow growth_by_row(const std::vector<Landmark>& earlier, const std::vector<Landmark>& later,
                           const MapComparison& comparison) {
+  const KindCounts kinds(later);
   GrowthByRow growth;
   growth[kGrowthOfAll];
   for (const MapChange& change : comparison.changes) {
@@ -27,6 +27,7 @@ GrowthByRow growth_by_row(const std::vector<Landmark>& earlier, const std::vecto
     const double before_cm2 = tcsa_cm2(before.width_m);
     const double change_cm2 = tcsa_cm2(now.width_m) - before_cm2;
     for (const std::int32_t row : {now.row, kGrowthOfAll}) {
+      if (row == kGrowthOfAll && !kinds.counts(kind_of(now))) continue;
       Growth& sum = growth[row];
       ++sum.num_pairs;
       sum.tcsa_before_cm2 += before_cm2;
@@ -42,9 +43,7 @@ namespace {
 constexpr double kSure = 0.95, kLikely = 0.8;
 constexpr int kClassesMax = 40;
 
-bool is_tree(const Landmark& l) { return l.label == detection::Label::kTree; }
-
-/// Sums over the trees of one row.
+/// Sums over trunks.
 struct Sum {
   void add(const Landmark& l) {
     ++row.num_trees;
@@ -83,14 +82,15 @@ double tcsa_cm2(double diameter_m) {
 
 Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
   Inventory inventory;
-  std::map<std::int32_t, Sum> sums;
-  Sum all;
+  inventory.kinds = KindCounts(landmarks);
+  std::map<std::int32_t, Sum> rows;
+  Sum all, other;
   std::vector<double> position_se_m, width_sd_m;
   for (const Landmark& l : landmarks) {
-    inventory.num_objects += l.label == detection::Label::kObject;
-    inventory.num_unseen += l.label == detection::Label::kUnseen;
-    if (!is_tree(l)) continue;
-    sums[l.row].add(l);
+    const Kind kind = kind_of(l);
+    if (kind == Kind::kTree) rows[l.row].add(l);
+    if (kind == Kind::kTrunk && inventory.kinds.has_rows()) other.add(l);
+    if (!inventory.kinds.counts(kind)) continue;
     all.add(l);
     CertaintyCounts& certainty = inventory.certainty;
     ++(l.probability >= kSure     ? certainty.num_sure
@@ -100,21 +100,14 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
     if (l.width_sd_m > 0.0) width_sd_m.push_back(l.width_sd_m);
   }
   inventory.all = all.done();
-  std::map<std::int32_t, Row> rows;
-  for (Row& row : numbered_rows(landmarks)) rows.emplace(row.number, std::move(row));
-  std::optional<RowInventory> without_row;
-  for (auto& [number, sum] : sums) {
-    RowInventory row = sum.done();
-    row.row = number;
-    if (number > 0) add_slots(rows.at(number), row);
+  inventory.other = other.done();
+  for (const Row& slots : numbered_rows(landmarks)) {
+    RowInventory row = rows.at(slots.number).done();
+    row.row = slots.number;
+    add_slots(slots, row);
     inventory.all.gaps.insert(inventory.all.gaps.end(), row.gaps.begin(), row.gaps.end());
-    if (number > 0) {
-      inventory.rows.push_back(std::move(row));
-    } else {
-      without_row = std::move(row);
-    }
+    inventory.rows.push_back(std::move(row));
   }
-  if (without_row) inventory.rows.push_back(*std::move(without_row));
   if (!position_se_m.empty()) inventory.position_se_median_m = geometry::median(position_se_m);
   if (!width_sd_m.empty()) inventory.width_sd_median_m = geometry::median(width_sd_m);
   return inventory;
@@ -122,8 +115,8 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
 
 DiameterHistogram diameter_histogram(const std::vector<Landmark>& landmarks) {
   std::vector<double> diameters_m;
-  for (const Landmark& l : landmarks) {
-    if (is_tree(l) && l.width_m > 0.0 && std::isfinite(l.width_m)) diameters_m.push_back(l.width_m);
+  for (const Landmark& l : counted_trunks(landmarks)) {
+    if (l.width_m > 0.0 && std::isfinite(l.width_m)) diameters_m.push_back(l.width_m);
   }
   DiameterHistogram histogram;
   if (diameters_m.empty()) return histogram;

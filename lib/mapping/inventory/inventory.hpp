@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mapping/compare/map_comparison.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/landmark.hpp"
 
 namespace orchard::mapping {
@@ -22,7 +23,8 @@ struct Growth {
   }
 };
 
-/// derived: no row has this number. Growth by row of the later map, 0 for no row; the total here.
+/// derived: no row has this number. Growth by row of the later map, 0 for no row; here the total of
+/// the trunks that count there.
 inline constexpr std::int32_t kGrowthOfAll = -1;
 using GrowthByRow = std::map<std::int32_t, Growth>;
 
@@ -37,9 +39,9 @@ struct InventoryGap {
   Eigen::Vector2d p_map{0, 0};  ///< interpolated between its neighbours
 };
 
-/// Trees of one row, or of no row.
+/// Trunks of one row, or of several together.
 struct RowInventory {
-  std::int32_t row = 0;  ///< 0: in no row
+  std::int32_t row = 0;  ///< 0: of several
   int num_trees = 0;
   std::vector<InventoryGap> gaps;  ///< between the first and last numbered tree
   int num_measured = 0;            ///< trees with a diameter
@@ -54,15 +56,16 @@ struct CertaintyCounts {
   int num_sure = 0, num_likely = 0, num_unsure = 0;
 };
 
-/// Tree counts and trunk areas of a map, computed from the columns of map.csv.
+/// Tree counts and trunk areas of a map, computed from the columns of map.csv. Certainty and errors
+/// are those of the trunks that count (KindCounts::counts()).
 struct Inventory {
-  std::vector<RowInventory> rows;  ///< in order of number; trees in no row last, if any
-  RowInventory all;                ///< total
-  int num_objects = 0;
-  int num_unseen = 0;  ///< never in the field of view of the camera
+  KindCounts kinds;
+  std::vector<RowInventory> rows;  ///< in order of number
+  RowInventory all;                ///< total of the trunks that count
+  RowInventory other;              ///< trunks that do not count: in no row, though there are rows
   CertaintyCounts certainty;
-  double position_se_median_m = 0.0;  ///< of trees: the larger of x and y
-  double width_sd_median_m = 0.0;     ///< of trees with a width_sd_m
+  double position_se_median_m = 0.0;  ///< the larger of x and y
+  double width_sd_median_m = 0.0;     ///< of trunks with a width_sd_m
 };
 
 Inventory compute_inventory(const std::vector<Landmark>& landmarks);
@@ -70,7 +73,8 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks);
 /// Trunk cross-sectional area of a trunk: the horticultural measure of its size.
 double tcsa_cm2(double diameter_m);
 
-/// Number of trees by diameter, in equal classes from 0; the last class includes all wider ones.
+/// Number of the trunks that count by diameter, in equal classes from 0; the last class includes
+/// all wider ones.
 struct DiameterHistogram {
   double class_m = 0.01;
   std::vector<int> counts;

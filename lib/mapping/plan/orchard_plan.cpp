@@ -147,6 +147,26 @@ void add_problem(BuiltPlan& built, std::string problem) {
   if (built.problems.size() < kNumProblemsMax) built.problems.push_back(std::move(problem));
 }
 
+/// A name as its characters, each whole number as one: '0' with its value.
+std::vector<std::pair<char, double>> name_parts(const std::string& name) {
+  std::vector<std::pair<char, double>> parts;
+  bool is_in_number = false;
+  for (const char c : name) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (!is_digit) parts.emplace_back(c, 0.0);
+    if (is_digit && !is_in_number) parts.emplace_back('0', 0.0);
+    if (is_digit) parts.back().second = 10.0 * parts.back().second + (c - '0');
+    is_in_number = is_digit;
+  }
+  return parts;
+}
+
+void sort_rows(OrchardPlan& plan) {
+  std::stable_sort(plan.rows.begin(), plan.rows.end(), [](const auto& a, const auto& b) {
+    return name_parts(a.name) < name_parts(b.name);
+  });
+}
+
 void look_for_doubles(BuiltPlan& built) {
   for (const PlannedRow& row : built.plan.rows) {
     std::set<std::string> names;
@@ -248,6 +268,7 @@ BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees) {
       sort_along(row);
       number_unnamed(row);
     }
+    sort_rows(built.plan);
   }
   look_for_doubles(built);
   return built;
@@ -287,6 +308,7 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
     }
     built.plan.rows.push_back(std::move(row));
   }
+  sort_rows(built.plan);
   if (num_trees >= kNumTreesMax) {
     add_problem(built, "trees every " + fixed_text(spacing_m, 3) + " m apart would be more than " +
                            std::to_string(kNumTreesMax));

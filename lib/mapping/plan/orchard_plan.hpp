@@ -72,10 +72,10 @@ struct BuiltPlan {
   std::vector<std::string> problems;  ///< if not empty, the plan cannot be used
 };
 
-/// Builds rows from single trees. Rows are in order of first appearance; without row names they are
-/// found by find_rows(). Trees are sorted by number, else along the row starting at the end where
-/// the file starts; without names they are numbered in this order. Problems: duplicate names, two
-/// trees at one position.
+/// Builds rows from single trees. Rows are in order of name, in which A2 comes before A10; without
+/// row names they are found by find_rows(). Trees are sorted by number, else along the row starting
+/// at the end where the file starts; without names they are numbered in this order. Problems:
+/// duplicate names, two trees at one position.
 BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees);
 
 /// Builds rows from lines: a tree at the start of each line and then every `spacing_m` along it.

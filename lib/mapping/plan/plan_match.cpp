@@ -22,39 +22,40 @@ std::vector<std::int32_t> numbers_of(const std::vector<std::string>& names) {
 
 }  // namespace
 
-std::vector<PlanName> number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
-                                     std::vector<Landmark>& landmarks) {
+PlanNames number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
+                         std::vector<Landmark>& landmarks) {
   std::vector<std::string> row_names;
   for (const PlannedRow& row : plan.rows) row_names.push_back(row.name);
   const std::vector<std::int32_t> row_numbers = numbers_of(row_names);
   std::vector<std::vector<std::int32_t>> tree_numbers;
   for (std::size_t r = 0; r < plan.rows.size(); ++r) {
-    std::vector<std::string> names;
-    for (const PlannedTree& tree : plan.rows[r].trees) names.push_back(tree.name);
-    tree_numbers.push_back(numbers_of(names));
+    std::vector<std::string> tree_names;
+    for (const PlannedTree& tree : plan.rows[r].trees) tree_names.push_back(tree.name);
+    tree_numbers.push_back(numbers_of(tree_names));
   }
   for (Landmark& l : landmarks) l.row = l.position = 0;
-  std::vector<PlanName> name_of(landmarks.size());
+  PlanNames names;
   for (const PlanFinding& f : match.findings) {
-    if (f.row < 0) continue;
-    const auto r = static_cast<std::size_t>(f.row);
-    const bool is_extra = f.deviation == PlanDeviation::kExtra;
-    const bool is_tree = is_extra || f.deviation == PlanDeviation::kAsPlanned ||
-                         f.deviation == PlanDeviation::kOutOfPlace;
-    const auto k = static_cast<std::size_t>(std::max(0, f.tree));
-    if (!is_tree) continue;
+    if (f.deviation != PlanDeviation::kAsPlanned && f.deviation != PlanDeviation::kOutOfPlace) {
+      continue;
+    }
+    const auto r = static_cast<std::size_t>(f.row), k = static_cast<std::size_t>(f.tree);
     Landmark& l = landmarks[static_cast<std::size_t>(f.landmark)];
     l.row = row_numbers[r];
-    l.position = is_extra ? 0 : tree_numbers[r][k];
-    PlanName& name = name_of[static_cast<std::size_t>(f.landmark)];
-    name.landmark_id = l.id;
-    name.row = plan.rows[r].name;
-    if (!is_extra) name.tree = plan.rows[r].trees[k].name;
+    l.position = tree_numbers[r][k];
+    names[l.id] = {plan.rows[r].name, plan.rows[r].trees[k].name};
   }
-  name_of.erase(std::remove_if(name_of.begin(), name_of.end(),
-                               [](const PlanName& name) { return name.landmark_id == 0; }),
-                name_of.end());
-  return name_of;
+  return names;
+}
+
+RowNames plan_row_names(const std::vector<Landmark>& landmarks, const PlanNames& names) {
+  RowNames row_names;
+  for (const Landmark& l : landmarks) {
+    const auto name = names.find(l.id);
+    if (l.row == 0 || name == names.end() || name->second.row == std::to_string(l.row)) continue;
+    row_names.emplace(l.row, name->second.row);
+  }
+  return row_names;
 }
 
 namespace {

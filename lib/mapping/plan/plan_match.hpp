@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "mapping/plan/orchard_plan.hpp"
 #include "mapping/plan/plan_evidence.hpp"
 #include "mapping/plan/plan_fit.hpp"
+#include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
 
@@ -92,16 +94,18 @@ PlanMatch match_plan(const OrchardPlan& plan, const std::vector<Landmark>& landm
 
 /// The names of a landmark in the plan.
 struct PlanName {
-  std::int32_t landmark_id = 0;
   std::string row;
-  std::string tree;  ///< empty for an extra tree of the row
+  std::string tree;
 };
+using PlanNames = std::map<std::int32_t, PlanName>;  ///< by landmark id
 
 /// Numbers the landmarks and rows of a map by its plan. Names are used as numbers if they are all
 /// different whole numbers; else rows, or the trees of a row, are counted in the order of the plan.
-/// Extra trees get their row's number, if they are in a row, and no position; objects get neither.
-/// Returns the names, in order of the landmarks.
-std::vector<PlanName> number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
-                                     std::vector<Landmark>& landmarks);
+/// Trees that are not planned get neither row nor position: beside a row, they may be bushes.
+PlanNames number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
+                         std::vector<Landmark>& landmarks);
+
+/// The plan's names of the rows that are not named by their number, by row number.
+RowNames plan_row_names(const std::vector<Landmark>& landmarks, const PlanNames& names);
 
 }  // namespace orchard::mapping

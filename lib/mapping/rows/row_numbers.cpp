@@ -379,6 +379,30 @@ std::vector<Row> numbered_rows(const std::vector<Landmark>& landmarks) {
   return rows;
 }
 
+void number_trunks_in_gaps(std::vector<Landmark>& landmarks) {
+  std::vector<std::size_t> trunks;
+  std::vector<Vector2d> places;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& l = landmarks[i];
+    if (l.label != detection::Label::kTree || l.position > 0) continue;
+    trunks.push_back(i);
+    places.push_back({l.x_m, l.y_m});
+  }
+  const geometry::IndexedPoints unnumbered(std::move(places));
+  for (const Row& row : numbered_rows(landmarks)) {
+    for (const RowSlot& slot : row.places) {
+      if (slot.landmark_id != 0) continue;
+      const double reach_m = tuning::kOnePlace_spacings * row.spacing_m;
+      const std::int32_t nearest = unnumbered.nearest(slot.p_map, reach_m);
+      if (nearest < 0) continue;
+      Landmark& l = landmarks[trunks[static_cast<std::size_t>(nearest)]];
+      if (l.position > 0) continue;  // taken by the slot before
+      l.row = row.number;
+      l.position = slot.position;
+    }
+  }
+}
+
 void number_added_trees(std::vector<Landmark>& landmarks,
                         const std::function<bool(const Landmark&)>& is_added) {
   std::vector<Row> rows = numbered_rows(landmarks);

@@ -33,6 +33,11 @@ std::vector<Row> numbered_rows(const std::vector<Landmark>& landmarks);
 /// derived: a row of 100 km; bounds the memory of a map from outside.
 inline constexpr int kSlotsMax = 100'000;
 
+/// Numbers the trunk nearest to each empty slot within kOnePlace_spacings of the row's spacing that
+/// has no number yet: what stands there is the tree of that slot, however far beside the line of
+/// the row it was planted.
+void number_trunks_in_gaps(std::vector<Landmark>& landmarks);
+
 /// Numbers trees that were added to a numbered map, those without a row for which `is_added` is
 /// true; nothing else changes.
 ///

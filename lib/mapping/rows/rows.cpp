@@ -156,6 +156,11 @@ void set_probability_by_order(const std::vector<Row>& rows, std::vector<Landmark
   }
 }
 
+std::string row_name(const RowNames& names, std::int32_t row, const std::string& prefix) {
+  const auto name = names.find(row);
+  return name == names.end() ? prefix + std::to_string(row) : name->second;
+}
+
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks) {
   std::map<std::int32_t, std::pair<std::int32_t, std::int32_t>> numbers;
   for (const Row& row : rows) {

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "mapping/landmark.hpp"
@@ -54,6 +56,12 @@ struct Row {
   double spacing_m = 0.0;       ///< median distance of neighbouring slots
   std::vector<RowSlot> places;  ///< in order of position; the first and last are occupied
 };
+
+/// The names of rows that are not named by their number, by number.
+using RowNames = std::map<std::int32_t, std::string>;
+
+/// The name of a row: its own, or its number after `prefix`.
+std::string row_name(const RowNames& names, std::int32_t row, const std::string& prefix = {});
 
 /// derived: Gaps of more slots end a row: beyond, nothing tells that both parts are one.
 inline constexpr int kGapMax_slots = 8;

@@ -151,7 +151,7 @@ class App {
 
   search(text) {
     if (!this.tiles) { this.showFound(text); return; }
-    this.tiles.loadFor(parseQuery(text)).then(() => this.showFound(text), (error) => this.tiles.fail(error));
+    this.tiles.loadFor(parseQuery(this.model, text)).then(() => this.showFound(text), (error) => this.tiles.fail(error));
   }
 
   showFound(text) {

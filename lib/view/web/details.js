@@ -3,28 +3,28 @@
 function certaintyText(model, i) {
   const { label, probability } = model.columns;
   if (label[i] === kUnseen) return "not seen by the camera";
-  const sure = label[i] === kTree ? probability[i] : 1 - probability[i];
+  const sure = model.isTrunk(i) ? probability[i] : 1 - probability[i];
   const percent = sure > 0.999 ? "over 99.9 %" : `${(100 * sure).toFixed(1)} %`;
   return `${["sure", "likely", "unsure"][model.certainty(i)]}, ${percent}`;
 }
 
 function landmarkTitle(model, i) {
-  const { label, row, position, id } = model.columns;
+  const { row, position, id } = model.columns;
   if (position[i] > 0) return `Row ${model.rowName(row[i])}, tree ${position[i]}`;
   if (row[i] > 0) return `Row ${model.rowName(row[i])}, no number`;
-  return `${kClassTitles[label[i]]} ${id[i]}`;
+  return `${model.kindTitle(i)}, #${id[i]}`;
 }
 
 // Rows of the details table: [name, value].
 function landmarkFacts(model, i) {
   const c = model.columns;
   const width = c.width[i];
-  const facts = [["Class", kClassTitles[c.label[i]]], ["Certainty", certaintyText(model, i)], ["Id", String(c.id[i])]];
+  const facts = [["Class", model.kindTitle(i)], ["Certainty", certaintyText(model, i)], ["Id", String(c.id[i])]];
   if (width > 0) {
-    const name = c.label[i] === kTree ? "Trunk diameter" : "Width";
+    const name = model.isTrunk(i) ? "Trunk diameter" : "Width";
     const error = c.width_sd[i] > 0 ? ` ± ${(100 * c.width_sd[i]).toFixed(1)}` : "";
     facts.push([name, `${(100 * width).toFixed(1)} cm${error}`]);
-    if (c.label[i] === kTree) {
+    if (model.isTrunk(i)) {
       facts.push(["Girth", `${(100 * Math.PI * width).toFixed(1)} cm`]);
       facts.push(["Trunk cross-section", `${(2500 * Math.PI * width * width).toFixed(1)} cm²`]);
     }
@@ -74,7 +74,7 @@ class Details {
         steps.push(button);
       }
     }
-    this.show(landmarkTitle(model, i), this.theme.colourOfClass(model.columns.label[i]), landmarkFacts(model, i), steps,
+    this.show(landmarkTitle(model, i), this.theme.colourOfKind(model.look(i)), landmarkFacts(model, i), steps,
       this.photo(model.columns.id[i], landmarkTitle(model, i)), this.actions(i));
   }
 

@@ -88,7 +88,7 @@ function sparkline(values, title) {
 
 // Draws the image windows of one candidate with its number in the table below.
 function drawLook(context, trunk, number, theme) {
-  const colour = theme.colourOfClass(trunk.label);
+  const colour = theme.colourOfKind(trunk.label);
   context.strokeStyle = colour;
   context.lineWidth = 1.5;
   context.strokeRect(...trunk.centre);
@@ -110,7 +110,7 @@ function lookTable(trunks, theme) {
   const head = ["", "tree", "laser", "colour", "left", "right", "parallel"];
   const lines = trunks.map((trunk, k) => {
     const number = element("td", { textContent: String(k + 1) });
-    number.style.color = theme.colourOfClass(trunk.label);
+    number.style.color = theme.colourOfKind(trunk.label);
     return element("tr", {}, number, ...head.slice(1).map((name) =>
       element("td", { textContent: trunk[name].toFixed(2) })));
   });

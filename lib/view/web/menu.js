@@ -2,11 +2,12 @@
 
 const kLayers = [
   ["trees", "Trees", (c, t) => drawLandmark(c, kTree, 0, 13, 9, 6, t.colours.tree)],
+  ["trunks", "Other trunks, in no row", (c, t) => drawLandmark(c, kTrunk, 0, 13, 9, 6, t.colours.trunk)],
   ["objects", "Objects (not trees)", (c, t) => drawLandmark(c, kObject, 0, 13, 9, 6, t.colours.object)],
   ["unseen", "Not classified yet", (c, t) => drawLandmark(c, kUnseen, 2, 13, 9, 6, t.colours.unseen)],
   ["gaps", "Gaps in rows", (c, t) => drawGap(c, 13, 9, 6, t.colours.gap)],
   ["rows", "Rows", (c, t) => drawKeyLine(c, t.colours.row, 2)],
-  ["ways", "Alleys and headland paths, with free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
+  ["ways", "Aisles and headland paths, with free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
   ["paths", "The robot's path", (c, t) => drawKeyLine(c, t.colours.path, 2)],
   ["labels", "Numbers", (c, t) => drawKeyText(c, t.colours.text)],
 ];
@@ -51,6 +52,16 @@ function showLegend(theme, shown, changed) {
   byId("legend").replaceChildren(...lines);
 }
 
+// Why rows begin with another number than most.
+function lateRows(model) {
+  const first = Math.min(...model.rows.map((row) => row.first));
+  const late = model.rows.filter((row) => row.first > first);
+  if (late.length === 0) return [];
+  const names = late.map((row) => `${model.rowName(row.number)} (begins at ${row.first})`).join(", ");
+  return [element("p", { textContent: `Rows whose first places are empty: ${names}. Their numbers are counted from where ` +
+    "the rows around them, or the plan, begin." })];
+}
+
 // `show(row)` moves the view to a row; `rename(row)`, if editing is possible, renames it.
 function showRows(model, show, rename = null) {
   const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Spacing", "Trunk"].map((words) =>
@@ -58,7 +69,7 @@ function showRows(model, show, rename = null) {
   const widths = new Map();
   for (let i = 0; i < model.count; ++i) {
     const row = model.columns.row[i];
-    if (row === 0 || model.columns.label[i] !== kTree) continue;
+    if (model.columns.label[i] !== kTree) continue;
     if (!widths.has(row)) widths.set(row, []);
     widths.get(row).push(model.columns.width[i]);
   }
@@ -77,13 +88,15 @@ function showRows(model, show, rename = null) {
       element("td", { textContent: `${row.spacing.toFixed(2)} m` }),
       element("td", { textContent: mean > 0 ? `${(100 * mean).toFixed(1)} cm` : "" }));
   });
-  byId("rows").replaceChildren(element("table", {}, head, ...lines));
+  byId("rows").replaceChildren(element("table", {}, head, ...lines), ...lateRows(model));
   byId("rows-box").hidden = model.rows.length === 0;
 }
 
 function showSummary(model, data) {
   const counted = (number, one, many) => (number === 0 ? [] : [`${wholeNumber(number)}\u00a0${number === 1 ? one : many}`]);
-  const parts = [...counted(model.numberOf(kTree), "tree", "trees"), ...counted(model.numberOf(kObject), "object", "objects"),
+  const trunks = model.hasTrees ? ["other trunk", "other trunks"] : ["trunk", "trunks"];
+  const parts = [...counted(model.numberOf(kTree), "tree in a row", "trees in rows"),
+    ...counted(model.numberOf(kTrunk), ...trunks), ...counted(model.numberOf(kObject), "object", "objects"),
     ...counted(model.rows.length, "row", "rows"), ...counted(model.numGaps, "gap", "gaps")];
   byId("summary").textContent = parts.join(" · ") || "The map is empty";
   byId("title").textContent = data.title || "Orchard map";

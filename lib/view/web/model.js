@@ -1,8 +1,9 @@
 // The map's content in columns: column[i] belongs to landmark i.
 
-const kTree = 0, kObject = 1, kUnseen = 2;
-const kClassNames = ["tree", "object", "unseen"];
-const kClassTitles = ["Tree", "Object", "Not classified yet"];
+// Kinds: a tree is a trunk in a row; in a map without rows, such as of a park, there are trunks only.
+const kTree = 0, kObject = 1, kUnseen = 2, kTrunk = 3, kNumKinds = 4;
+const kClassNames = ["tree", "object", "unseen", "tree"];
+const kKindTitles = ["Tree", "Object", "Not classified yet", "Trunk in no row"];
 
 // Size of the index's cells, such that a cell contains a few trees.
 const kCell_m = 8;
@@ -112,6 +113,7 @@ class MapModel {
   touch() {
     this.revision += 1;
     this.cells_ = null;
+    this.counts_ = null;
     this.styles_ = null;
     this.byPlace_ = null;
     this.hedges_ = null;
@@ -137,11 +139,28 @@ class MapModel {
 
   get count() { return this.columns.id.length; }
 
-  numberOf(label) {
-    if (this.totals) return this.totals[label];
-    let number = 0;
-    for (const other of this.columns.label) number += other === label ? 1 : 0;
-    return number;
+  numberOf(kind) {
+    if (this.totals) return this.totals[kind];
+    if (!this.counts_) {
+      this.counts_ = new Array(kNumKinds).fill(0);
+      for (const other of this.columns.label) ++this.counts_[other];
+    }
+    return this.counts_[kind];
+  }
+
+  get hasTrees() { return this.numberOf(kTree) > 0; }
+
+  isTrunk(i) { return this.columns.label[i] === kTree || this.columns.label[i] === kTrunk; }
+
+  // The kind that a landmark looks like: without rows, trunks look like trees.
+  look(i) {
+    const kind = this.columns.label[i];
+    return kind === kTrunk && !this.hasTrees ? kTree : kind;
+  }
+
+  kindTitle(i) {
+    const kind = this.columns.label[i];
+    return kind === kTrunk && !this.hasTrees ? "Trunk" : kKindTitles[kind];
   }
 
   get numGaps() { return this.rows.reduce((sum, row) => sum + MapModel.numGapsOf(row), 0); }
@@ -151,17 +170,17 @@ class MapModel {
   // Certainty of the class: 0 sure, 1 likely, 2 unsure.
   certainty(i) {
     const p = this.columns.probability[i];
-    const sure = this.columns.label[i] === kTree ? p : 1 - p;
+    const sure = this.isTrunk(i) ? p : 1 - p;
     return sure >= 0.9 ? 0 : sure >= 0.7 ? 1 : 2;
   }
 
-  // Indices by class and certainty, for drawing them together: styles[3 * label + certainty].
+  // Indices by look and certainty, for drawing them together: styles[3 * look + certainty].
   get styles() {
     if (!this.styles_) {
-      this.styles_ = Array.from({ length: 9 }, () => []);
+      this.styles_ = Array.from({ length: 3 * kNumKinds }, () => []);
       for (let i = 0; i < this.count; ++i) {
-        const label = this.columns.label[i];
-        this.styles_[3 * label + (label === kUnseen ? 0 : this.certainty(i))].push(i);
+        const look = this.look(i);
+        this.styles_[3 * look + (look === kUnseen ? 0 : this.certainty(i))].push(i);
       }
     }
     return this.styles_;

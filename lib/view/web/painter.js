@@ -6,7 +6,7 @@ class Painter {
     this.model = model;
     this.view = view;
     this.theme = theme;
-    this.shown = { trees: true, objects: true, unseen: true, rows: true, gaps: true, ways: true, paths: true,
+    this.shown = { trees: true, trunks: true, objects: true, unseen: true, rows: true, gaps: true, ways: true, paths: true,
       labels: true, robot: true, scan: true };
     this.selected = -1;
     this.selectedGap = null;

@@ -109,19 +109,17 @@ class SceneBrush {
     }
   }
 
-  isShown(label) {
-    return label === kTree ? this.shown.trees : label === kObject ? this.shown.objects : this.shown.unseen;
-  }
+  isShown(kind) { return this.shown[["trees", "objects", "unseen", "trunks"][kind]]; }
 
   // Draws hedges and walls to scale, also those that are only partly in view.
   paintHedges() {
     const { context, view, model, theme } = this;
     context.lineCap = "round";
     for (const { i, ax, ay, bx, by } of model.hedges) {
-      if (!this.isShown(model.columns.label[i])) continue;
+      if (!this.isShown(model.look(i))) continue;
       context.beginPath();
       this.addLine([ax, ay, bx, by]);
-      context.strokeStyle = theme.colourOfClass(model.columns.label[i]);
+      context.strokeStyle = theme.colourOfKind(model.look(i));
       context.lineWidth = Math.max(2, model.columns.width[i] * view.scale);
       context.globalAlpha = kHedgeFade;
       context.stroke();
@@ -141,20 +139,20 @@ class SceneBrush {
     const inView = found || Array.from(model.columns.id.keys());
     const radius = symbolRadius_px(view.scale);
     for (const i of inView) {
-      const label = model.columns.label[i];
-      if (!this.isShown(label) || model.isHedge(i)) continue;
-      drawLandmark(this.context, label, label === kUnseen ? 2 : model.certainty(i), view.toScreenX(model.columns.x[i]),
+      const look = model.look(i);
+      if (!this.isShown(look) || model.isHedge(i)) continue;
+      drawLandmark(this.context, look, look === kUnseen ? 2 : model.certainty(i), view.toScreenX(model.columns.x[i]),
         view.toScreenY(model.columns.y[i]), Math.max(radius, model.columns.width[i] * view.scale / 2),
-        this.theme.colourOfClass(label));
+        this.theme.colourOfKind(look));
     }
     return inView;
   }
 
   paintDots() {
-    const groups = this.model.styles.map((indices, style) => ({ indices, label: Math.floor(style / 3),
-      colour: this.theme.colourOfClass(Math.floor(style / 3)), fade: kFadeOfCertainty[style % 3] }));
+    const groups = this.model.styles.map((indices, style) => ({ indices, look: Math.floor(style / 3),
+      colour: this.theme.colourOfKind(Math.floor(style / 3)), fade: kFadeOfCertainty[style % 3] }));
     this.dots.paint(this.context, this.view, this.ratio, this.model.columns.x, this.model.columns.y,
-      groups.filter((group) => this.isShown(group.label)));
+      groups.filter((group) => this.isShown(group.look)));
   }
 
   paintLabels(inView) {
@@ -175,7 +173,7 @@ class SceneBrush {
     // Numbers are placed across the row, where the next tree does not stand.
     const besideOfRow = new Map(model.rows.map((row) => [row.number, isUpright(row.line)]));
     for (const i of inView) {
-      if (!this.isShown(columns.label[i])) continue;
+      if (!this.isShown(model.look(i))) continue;
       const position = columns.position[i];
       const step = position > 0 ? stepOfRow.get(columns.row[i]) || 1 : 1;
       if (position > 0 && position % step !== 0) continue;

@@ -1,6 +1,6 @@
 // Colours, read from the style sheet for use on the canvas.
 
-const kColourNames = ["ground", "grid", "text", "soft", "tree", "object", "unseen", "path", "gap", "way", "row",
+const kColourNames = ["ground", "grid", "text", "soft", "tree", "trunk", "object", "unseen", "path", "gap", "way", "row",
   "mark", "scan"];
 
 class Theme {
@@ -22,7 +22,7 @@ class Theme {
 
   toggle() { this.apply(!this.isDark); }
 
-  colourOfClass(label) {
-    return [this.colours.tree, this.colours.object, this.colours.unseen][label];
+  colourOfKind(kind) {
+    return [this.colours.tree, this.colours.object, this.colours.unseen, this.colours.trunk][kind];
   }
 }

@@ -106,8 +106,8 @@ RegisteredPlan register_plan(const io::StoredPlan& plan, const io::StoredMap& ma
   return laid;
 }
 
-void apply_plan(RegisteredPlan& laid, io::MapFolderContent& content) {
-  laid.names = mapping::number_by_plan(laid.plan.plan, laid.match, content.landmarks);
+void apply_plan(const RegisteredPlan& laid, io::MapFolderContent& content) {
+  content.plan_names = mapping::number_by_plan(laid.plan.plan, laid.match, content.landmarks);
   content.rows = mapping::numbered_rows(content.landmarks);
   if (laid.is_georeferenced_by_plan) {
     geometry::Georeference g = *laid.plan.georeference;
@@ -132,7 +132,6 @@ void write_plan_files(const std::string& folder, const RegisteredPlan& laid,
   files.write(folder + "/plan.csv", io::plan_csv(report));
   files.write(folder + "/plan_rows.csv", io::plan_rows_csv(report));
   files.write(folder + "/plan.json", io::plan_match_json(report));
-  files.write(folder + "/names.csv", io::plan_names_csv(laid.names));
   files.commit();
 }
 
@@ -238,7 +237,7 @@ int run_plan(const PlanOptions& options) {
   if (options.map_path.empty()) return look_at(plan, options);
   const io::StoredMap map = io::read_stored_map(options.map_path);
   if (!options.out_path.empty()) require_other_folder(options.out_path, {options.map_path});
-  RegisteredPlan laid = register_plan(plan, map, options.match);
+  const RegisteredPlan laid = register_plan(plan, map, options.match);
   if (!options.out_path.empty()) {
     io::MapFolderContent content = content_of(map);
     content.summary.source = "numbered by a plan";

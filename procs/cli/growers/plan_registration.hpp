@@ -13,7 +13,6 @@ struct RegisteredPlan {
   io::StoredPlan plan;  ///< in the map frame, where both are georeferenced
   mapping::PlanMatch match;
   bool is_georeferenced_by_plan = false;  ///< the map had no georeference and gets the plan's
-  std::vector<mapping::PlanName> names;
 };
 
 /// Matches a plan's trees with a map. If both are georeferenced, the registration starts from that,
@@ -22,11 +21,11 @@ struct RegisteredPlan {
 RegisteredPlan register_plan(const io::StoredPlan& plan, const io::StoredMap& map,
                              mapping::PlanMatchConfig config);
 
-/// Writes the plan's numbers and rows into the content of a map folder, and the plan's georeference
-/// where the map has none; lists the differences from the plan in its summary.
-void apply_plan(RegisteredPlan& laid, io::MapFolderContent& content);
+/// Writes the plan's numbers, names and rows into the content of a map folder, and the plan's
+/// georeference where the map has none; lists the differences from the plan in its summary.
+void apply_plan(const RegisteredPlan& laid, io::MapFolderContent& content);
 
-/// Writes plan.csv, plan_rows.csv, plan.json and names.csv beside a map. Throws io::FileError.
+/// Writes plan.csv, plan_rows.csv and plan.json beside a map. Throws io::FileError.
 void write_plan_files(const std::string& folder, const RegisteredPlan& laid,
                       const std::vector<mapping::Landmark>& landmarks);
 

@@ -3,18 +3,14 @@
 
 #include <cinttypes>
 #include <cstdio>
-#include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "bus/process/process.hpp"
 #include "cli/interruptible_work.hpp"
+#include "cli/maps/stored_maps.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/plan_report.hpp"
-#include "io/map/corrections_file.hpp"
-#include "io/map/stored_map.hpp"
+#include "io/map/corrected_map.hpp"
 #include "io/postgis/publication.hpp"
-#include "mapping/corrections/apply_corrections.hpp"
 #include "text/date_problem.hpp"
 #include "text/number_text.hpp"
 
@@ -47,21 +43,17 @@ void require_block(const std::string& block) {
 }
 
 /// The grower's names of rows: those given by corrections, else those of the plan.
-std::vector<io::Publication::Name> names_of(const mapping::CorrectedMap& map,
-                                            const std::string& folder) {
-  std::map<std::int32_t, mapping::PlanName> of_plan;
-  if (const std::string path = folder + "/names.csv"; std::filesystem::exists(path)) {
-    of_plan = io::read_plan_names(path);
-  }
+std::vector<io::Publication::Name> names_of(const io::CorrectedMapFolder& map) {
+  const mapping::PlanNames& of_plan = map.mapped.plan_names;
+  const auto& row_names = map.corrected.row_names;
   std::vector<io::Publication::Name> names;
-  if (of_plan.empty() && map.row_names.empty()) return names;
-  for (const mapping::Landmark& l : map.landmarks) {
+  if (of_plan.empty() && row_names.empty()) return names;
+  for (const mapping::Landmark& l : map.corrected.landmarks) {
     io::Publication::Name& name = names.emplace_back();
     if (const auto at = of_plan.find(l.id); at != of_plan.end()) {
       name = {at->second.row, at->second.tree};
     }
-    const auto row = map.row_names.find(l.row);
-    if (row != map.row_names.end()) name.row = row->second;
+    if (const auto row = row_names.find(l.row); row != row_names.end()) name.row = row->second;
   }
   return names;
 }
@@ -70,18 +62,15 @@ std::vector<io::Publication::Name> names_of(const mapping::CorrectedMap& map,
 
 int run_publish(const PublishOptions& options) {
   require_block(options.block);
-  const io::StoredMap map = io::read_stored_map(options.map_path);
-  const bool is_corrected = !options.as_mapped && std::filesystem::is_directory(options.map_path);
-  const mapping::CorrectedMap corrected =
-      mapping::apply_corrections(map.landmarks, map.next_id,
-                                 is_corrected ? io::read_corrections(options.map_path).list
-                                              : std::vector<mapping::Correction>());
+  const io::CorrectedMapFolder corrected =
+      io::read_corrected_map(options.map_path, options.as_mapped);
+  const io::StoredMap& map = corrected.mapped;
   io::Publication publication;
   publication.block = options.block;
   publication.date = date_for(options, map);
-  publication.source = map.name;
-  publication.landmarks = corrected.landmarks;
-  publication.names = names_of(corrected, options.map_path);
+  publication.source = map_name(options.map_path);
+  publication.landmarks = corrected.corrected.landmarks;
+  publication.names = names_of(corrected);
   publication.georeference = map.georeference;
   InterruptibleWork work("publishing", !options.json);
   const io::PublishedCounts counts =

@@ -16,25 +16,19 @@
 #include "io/folder.hpp"
 #include "io/report/map_report.hpp"
 #include "text/encoded_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The map's folder; its name is the name of the map.
-fs::path folder_of(const std::string& map_path) {
-  fs::path folder = fs::absolute(map_path).lexically_normal();
-  if (!fs::is_directory(folder)) folder = folder.parent_path();
-  return folder.has_filename() ? folder : folder.parent_path();
-}
-
-std::string name_of(const std::string& map_path) {
-  return printable_text(folder_of(map_path).filename().string());
-}
-
 io::SummaryFacts facts_of(const std::string& map_path) {
-  return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name);
+  const auto count_of = [](bus::Channel channel) {
+    return "in_" + std::string(bus::info(channel).name);
+  };
+  return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name,
+                                count_of(bus::Channel::kScan), count_of(bus::Channel::kImage));
 }
 
 io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) {
@@ -52,7 +46,7 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
   const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
   const mapping::MapAlignment alignment =
       register_map(before.mapped, view_before, now.mapped, view_now, options.alignment);
-  earlier.name = name_of(options.previous_path);
+  earlier.name = map_name(options.previous_path);
   earlier.day = facts_of(options.previous_path).day;
   earlier.landmarks = before.map.landmarks;
   earlier.comparison = mapping::compare_maps(before.map.landmarks, now.map.landmarks, view_before,
@@ -79,7 +73,7 @@ io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
   return counts;
 }
 
-/// The values of report.csv as JSON; the totals have "all" as `row`.
+/// The values of report.csv as JSON; `row` is its number or name, "all" for the totals.
 nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& table,
                                const fs::path& folder) {
   using Json = nlohmann::ordered_json;
@@ -89,7 +83,7 @@ nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& tabl
     for (std::size_t k = 0; k < table.front().size(); ++k) {
       const std::string& name = table.front()[k];
       const std::string& cell = table[i].at(k);
-      if (cell == "all") {
+      if (name == "row" && !whole_number(cell)) {
         row[name] = cell;
       } else if (name == "empty_positions") {
         row[name] = Json::array();
@@ -117,12 +111,12 @@ int run_report(const ReportOptions& options) {
   const MapInput input = read_map_input("orchard report", options.map_path, options.as_mapped);
   content.map = input.map;
   content.row_names = input.row_names;
-  content.name = options.name.empty() ? name_of(options.map_path) : printable_text(options.name);
+  content.name = options.name.empty() ? map_name(options.map_path) : printable_text(options.name);
   content.facts = facts_of(options.map_path);
   if (!options.previous_path.empty()) content.earlier = compared_with(options, input);
   if (!options.plan_path.empty()) content.plan = planned(options, content.map);
 
-  const fs::path folder = options.out_folder.empty() ? folder_of(options.map_path) / "report"
+  const fs::path folder = options.out_folder.empty() ? map_folder_of(options.map_path) / "report"
                                                      : fs::path(options.out_folder);
   io::make_folder(folder.string(), "choose another folder with --out");
   const io::Document document = io::map_report(content, *texts);

@@ -36,6 +36,7 @@
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "log_player/replay_rig.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/rows/row_numbers.hpp"
 #include "pose/pose_config.hpp"
 
@@ -182,19 +183,11 @@ std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& 
   return counts;
 }
 
-std::int64_t count_label(const std::vector<mapping::Landmark>& landmarks, detection::Label label) {
-  return std::count_if(landmarks.begin(), landmarks.end(),
-                       [label](const mapping::Landmark& l) { return l.label == label; });
-}
-
 void print_summary(const MapOptions& options, const ReplayReport& report,
                    const io::MapFolderContent& content, const std::optional<EarlierIdentity>& kept,
                    const std::string& corrections) {
-  using detection::Label;
-  const auto& landmarks = content.landmarks;
-  std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64 " unseen\n",
-              landmarks.size(), count_label(landmarks, Label::kTree),
-              count_label(landmarks, Label::kObject), count_label(landmarks, Label::kUnseen));
+  const mapping::KindCounts kinds(content.landmarks);
+  std::printf("%zu landmarks: %s\n", content.landmarks.size(), kinds.text().c_str());
   std::printf("from %" PRId64 " scans and %" PRId64 " images over %.1f s\n",
               num_in(report, Channel::kScan), num_in(report, Channel::kImage),
               1e-6 * static_cast<double>(report.last_utime - report.first_utime));

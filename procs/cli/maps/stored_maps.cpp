@@ -13,6 +13,7 @@
 #include "io/map/corrected_map.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
 #include "mapping/rows/row_numbers.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::cli {
 
@@ -29,6 +30,17 @@ MapInput read_map_input(const char* command, const std::string& path, bool as_ma
   input.map.landmarks = folder.corrected.landmarks;
   input.map.next_id = folder.corrected.next_id;
   return input;
+}
+
+std::filesystem::path map_folder_of(const std::string& map_path) {
+  namespace fs = std::filesystem;
+  fs::path folder = fs::absolute(map_path).lexically_normal();
+  if (!fs::is_directory(folder)) folder = folder.parent_path();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+std::string map_name(const std::string& map_path) {
+  return printable_text(map_folder_of(map_path).filename().string());
 }
 
 mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m) {
@@ -82,6 +94,10 @@ EarlierIdentity transfer_identity(const io::CorrectedMapFolder& earlier,
                         content.landmarks, kept.numbers);
   kept.corrections = mapping::carry_corrections(earlier.corrections, known.landmarks,
                                                 content.landmarks, alignment.T_a_b);
+  for (const mapping::Landmark& l : content.landmarks) {
+    const auto name = known.plan_names.find(l.id);
+    if (name != known.plan_names.end()) content.plan_names.insert(*name);
+  }
   content.summary.counts.push_back({"kept_ids", kept.numbers.num_found});
   content.summary.counts.push_back({"gone_ids", kept.numbers.num_gone});
   content.summary.counts.push_back({"new_ids", kept.numbers.num_new});
@@ -195,6 +211,7 @@ io::MapFolderContent content_of(const io::StoredMap& map) {
   content.view = map.view;
   content.summary = summary_of(map);
   content.graph = map.graph;
+  content.plan_names = map.plan_names;
   if (map.trajectories.empty()) return content;
   content.trajectory = map.trajectories.front();
   content.more_trajectories.assign(map.trajectories.begin() + 1, map.trajectories.end());

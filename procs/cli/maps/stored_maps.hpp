@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -26,6 +27,12 @@ struct MapInput {
 /// number of conflicting corrections on stderr, prefixed by `command`. Throws io::FileError.
 MapInput read_map_input(const char* command, const std::string& path, bool as_mapped);
 
+/// The folder of a map, which is given by its folder or its map.csv.
+std::filesystem::path map_folder_of(const std::string& map_path);
+
+/// The name of a map: that of its folder, as text that can be printed.
+std::string map_name(const std::string& map_path);
+
 /// Detection-probability map of a map's drives; `reach_m` above 0 replaces the range stored in the
 /// map.
 mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m);
@@ -42,9 +49,9 @@ struct EarlierIdentity {
   std::vector<mapping::Correction> corrections;  ///< of the earlier map, converted to the new one
 };
 
-/// Gives landmarks of `content` that match an earlier map their ids and numbers there, and notes it
-/// in the summary. Manual additions to the earlier map count as known. The caller makes rows and
-/// ways again from the numbers. Throws like register_map().
+/// Gives landmarks of `content` that match an earlier map their ids, numbers and the plan's names
+/// there, and notes it in the summary. Manual additions to the earlier map count as known. The
+/// caller makes rows and ways again from the numbers. Throws like register_map().
 EarlierIdentity transfer_identity(const io::CorrectedMapFolder& earlier,
                                   const mapping::MapAlignmentConfig& config,
                                   io::MapFolderContent& content);

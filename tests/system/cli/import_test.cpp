@@ -304,7 +304,7 @@ TEST_F(RawlogToMap, FindsWhatStandsThere) {
   const Result mapped =
       orchard({"map", path("drive.lcm"), "--config", path("rig.yaml"), "--out", path("map")});
   ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
-  EXPECT_THAT(mapped.out, HasSubstr("16 landmarks: 12 trees, 4 objects"));
+  EXPECT_THAT(mapped.out, HasSubstr("16 landmarks: 12 trees in rows, 4 objects"));
 
   // Odometry alone begins at the origin looking along x; in the truth the robot looks along y.
   std::vector<simulation::TruthObject> objects = io::read_truth_csv(truth());

@@ -158,7 +158,7 @@ TEST_F(MapCommand, WritesTheWholeFolderAndSaysWhatItFound) {
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 12);
   EXPECT_EQ(orchard({"log", "check", path("map/derived.lcm")}).exit_code, 0);
-  EXPECT_THAT(result.out, HasSubstr("16 landmarks: 12 trees, 4 objects"));
+  EXPECT_THAT(result.out, HasSubstr("16 landmarks: 12 trees in rows, 4 objects"));
   EXPECT_THAT(result.out, HasSubstr("losses: none"));
   EXPECT_EQ(result.err, "");  // no progress bar in a pipe
   const auto summary = nlohmann::json::parse(read_file(path("map/summary.json")));

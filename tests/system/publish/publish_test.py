@@ -104,11 +104,14 @@ class Publish(unittest.TestCase):
     def test_names_of_people_and_plan(self):
         folder = self.map_of("named")
         with open(folder + "/names.csv", "w") as file:
-            file.write('id,row,tree\n101,"A; ""old""",1b\n102,A,2\n')
+            file.write('id,row,tree\n101,"A; ""old""",1b\n102,"A; ""old""",2\n')
         self.publish(folder)
         self.assertEqual(self.server.sql("SELECT row_name, tree_name FROM orchard.tree "
-                                         "WHERE row_name IS NOT NULL ORDER BY id"),
-                         ['A; "old"|1b', "A|2"])
+                                         "WHERE tree_name IS NOT NULL ORDER BY id"),
+                         ['A; "old"|1b', 'A; "old"|2'])
+        self.assertEqual(self.count(where="row_name = 'A; \"old\"'"), TREES, "the whole row has its name")
+        # Who reads the table learns the map's name, not where its sender keeps it.
+        self.assertEqual(self.server.sql("SELECT source FROM orchard.visit"), ["named"])
 
     SESSIONS = "SELECT count(*) FROM pg_stat_activity WHERE application_name = 'orchard publish'"
 

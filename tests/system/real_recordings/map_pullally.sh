@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Imports and maps the real drive that several tests look at, once for all of them: FOLDER/drive.lcm and
+# Imports and maps a real drive that several tests look at, once for all of them: FOLDER/drive.lcm and
 # FOLDER/map. Without the recording it makes nothing, and they skip.
-#   map_pullally.sh ORCHARD SOURCE_TREE FOLDER_OF_RECORDINGS FOLDER
+#   map_pullally.sh ORCHARD SOURCE_TREE RECORDING FOLDER
 set -euo pipefail
-orchard=$1 source=$2 recording=$3/pullally_drive_1 out=$4
+orchard=$1 source=$2 recording=$3 out=$4
 rm -rf "$out"
 mkdir -p "$out"
 [ -d "$recording" ] || { echo "no $recording"; exit 0; }

@@ -33,23 +33,25 @@ def area_cm2(width_m):
 
 
 def expected(landmarks):
-    """By row as text: trees, numbers of empty places, area; of all together under "all"."""
+    """By row as text: trees, numbers of empty places, area; of all rows together under "all", of trunks in none under
+    "other_trunks"."""
     result = {}
     for l in landmarks:
         if l["class"] == "tree":
-            result.setdefault(l["row"] or "0", []).append(l)
+            result.setdefault(l["row"] or "other_trunks", []).append(l)
     table = {}
     for row, trees in result.items():
-        numbers = {int(t["position"]) for t in trees if t["position"]} if row != "0" else set()
+        numbers = {int(t["position"]) for t in trees if t["position"]}
         empty = [k for k in range(min(numbers), max(numbers)) if k not in numbers] if numbers else []
         table[row] = (len(trees), empty, sum(area_cm2(t["width_m"]) for t in trees))
-    table["all"] = (sum(t[0] for t in table.values()), sum(len(t[1]) for t in table.values()),
-                    sum(t[2] for t in table.values()))
+    rows = [t for row, t in table.items() if row != "other_trunks"]
+    table["all"] = (sum(t[0] for t in rows), sum(len(t[1]) for t in rows), sum(t[2] for t in rows))
     return table
 
 
-def check_csv(path, landmarks):
-    table = {row["row"]: row for row in rows_of(path)}
+def check_csv(path, landmarks, names=None):
+    """`names`: numbers of rows by their names."""
+    table = {(names or {}).get(row["row"], row["row"]): row for row in rows_of(path)}
     truth = expected(landmarks)
     assert set(table) == set(truth), (set(table), set(truth))
     for row, (num_trees, empty, area) in truth.items():
@@ -78,9 +80,8 @@ def check_print(page, path, truth):
                     "--user-data-dir=" + path + ".profile", "--no-pdf-header-footer", "--print-to-pdf=" + path,
                     "file://" + page], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     text = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout
-    rows = [row for row in truth if row not in ("all", "0")]
-    in_rows = truth["all"][0] - (truth["0"][0] if "0" in truth else 0)
-    assert f"{in_rows} trees in {len(rows)} rows" in " ".join(text.split()), text
+    rows = [row for row in truth if row not in ("all", "other_trunks")]
+    assert f"Trees in rows: {truth['all'][0]}; rows: {len(rows)}." in " ".join(text.split()), text
     for row in rows:
         num_trees, empty, area = truth[row]
         lines = [line.split() for line in text.splitlines() if line.split()[:1] == [row]]
@@ -99,10 +100,11 @@ def main(bin_folder, rig, folder):
     out = os.path.join(here, "report")
     table, truth = check_csv(os.path.join(out, "report.csv"), landmarks)
     text = page_text(os.path.join(out, "report.html"))
-    num_rows = len([row for row in truth if row not in ("all", "0")])
-    in_rows = truth["all"][0] - (truth["0"][0] if "0" in truth else 0)
-    for sentence in (f"{in_rows} trees in {num_rows} rows", f"{truth['all'][1]} empty places", "Driven on 2013-12-02",
-                     f"{truth['all'][2]:.0f} cm²"):
+    num_rows = len([row for row in truth if row not in ("all", "other_trunks")])
+    in_rows = truth["all"][0]
+    for sentence in (f"Trees in rows: {in_rows}; rows: {num_rows}.",
+                     f"Empty places between the trees of the rows: {truth['all'][1]}.", "Driven on 2013-12-02",
+                     f"{truth['all'][2]:.0f} cm²", "in the view of the camera"):
         assert sentence in text, (sentence, text)
     assert " roc" not in text and "probability" not in text
     check_print(os.path.join(out, "report.html"), os.path.join(folder, "printed.pdf"), truth)
@@ -127,7 +129,7 @@ def main(bin_folder, rig, folder):
     orchard(bin_folder, "report", os.path.join(here, "map.csv"), "--out", spanish, "--language", "es")
     assert bytes_of(os.path.join(out, "report.csv")) == bytes_of(os.path.join(spanish, "report.csv"))
     text = page_text(os.path.join(spanish, "report.html"))
-    assert f"{in_rows} árboles en {num_rows} filas" in text and "marras" in text, text
+    assert f"Árboles en filas: {in_rows}; filas: {num_rows}." in text and "marras" in text, text
 
     # An earlier map with thinner trunks and one tree more.
     before = os.path.join(folder, "spring")
@@ -141,7 +143,7 @@ def main(bin_folder, rig, folder):
     grown = {row["row"]: row for row in rows_of(os.path.join(again, "report.csv"))}
     for row, (num_trees, _, area) in truth.items():
         was = sum(area_cm2(l["width_m"]) for l in earlier
-                  if l["class"] == "tree" and (row == "all" or (l["row"] or "0") == row))
+                  if l["class"] == "tree" and (bool(l["row"]) if row == "all" else (l["row"] or "other_trunks") == row))
         assert int(grown[row]["measured_twice"]) == num_trees, grown[row]
         assert abs(float(grown[row]["tcsa_growth_cm2"]) - (area - was)) < 0.1, (grown[row], area - was)
         assert abs(float(grown[row]["tcsa_growth_percent"]) - 100 * (area / was - 1)) < 0.02, grown[row]
@@ -153,7 +155,8 @@ def main(bin_folder, rig, folder):
     orchard(bin_folder, "edit", "row", here, tree["row"], "by the road")
     orchard(bin_folder, "report", here, "--out", again)
     check_csv(os.path.join(again, "report.csv"),
-              [dict(l, **({"class": "object", "row": "", "position": ""} if l is tree else {})) for l in landmarks])
+              [dict(l, **({"class": "object", "row": "", "position": ""} if l is tree else {})) for l in landmarks],
+              {"by the road": tree["row"]})
     assert "by the road" in page_text(os.path.join(again, "report.html"))
     orchard(bin_folder, "report", here, "--out", spanish, "--as-mapped")
     assert bytes_of(os.path.join(out, "report.csv")) == bytes_of(os.path.join(spanish, "report.csv"))

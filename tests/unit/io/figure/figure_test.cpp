@@ -338,13 +338,28 @@ TEST(MapFigure, TheScaleBarIsARoundNumberOfMetres) {
 }
 
 TEST(MapFigure, TheNumberStandsBesideItsTree) {
-  const cv::Mat page = picture_of(rectangle_of_four());
+  std::vector<Landmark> landmarks = rectangle_of_four();
+  for (Landmark& l : landmarks) l.row = 1, l.position = l.id;
+  const cv::Mat page = picture_of(landmarks);
   for (const Spot& tree : spots_of(page, kTree, 400)) {
     const cv::Rect beside(tree.box.x + tree.box.width + 3, tree.box.y, 15, tree.box.height);
     cv::Mat dark;
     cv::inRange(page(beside), cv::Scalar(0, 0, 0), cv::Scalar(90, 160, 90), dark);
     EXPECT_GT(cv::countNonZero(dark), 5);
   }
+}
+
+/// Trunks in no row are paler than trees and in the legend by themselves; in a map without rows
+/// there is nothing to tell them from.
+TEST(MapFigure, TrunksInNoRowHaveAnotherShade) {
+  constexpr Colour kTrunk{200, 225, 180};
+  std::vector<Landmark> landmarks = rectangle_of_four();
+  EXPECT_TRUE(spots_of(picture_of(landmarks), kTrunk, 10).empty());
+  for (const std::size_t i : {0, 1}) landmarks[i].row = 1, landmarks[i].position = 1;
+  const cv::Mat page = picture_of(landmarks);
+  EXPECT_EQ(spots_of(page, kTree, 400).size(), 2u);
+  EXPECT_EQ(spots_of(page, kTrunk, 400).size(), 1u);
+  EXPECT_EQ(spots_of(page, kTrunk, 10).size(), 2u) << "with the legend's";
 }
 
 TEST(MapFigure, ThePathGoesWhereTheRobotWent) {
@@ -494,21 +509,6 @@ TEST(ScanFigure, AReturnStandsWhereItIsFromAbove) {
   EXPECT_NEAR(box.y + 0.5 * box.height, 450.0 - 900.0 / 22.0 * 1.0, 2.0);
 }
 
-/// Ten seconds: lost for two, ambiguous for two, then 0.5 m off, and at last 5 m.
-TEST(LocalisationFigure, StatesAndErrorsStandAtTheirTimes) {
-  evaluation::LocalisationEvaluation run;
-  for (int i = 0; i <= 10; ++i) {
-    evaluation::ShadowMoment m;
-    m.time_s = i;
-    m.state = i <= 2   ? evaluation::PlaceState::kLost
-              : i <= 4 ? evaluation::PlaceState::kAmbiguous
-                       : evaluation::PlaceState::kPlaced;
-    if (i > 4) m.error_m = i < 10 ? 0.5 : 5.0;
-    run.moments.push_back(m);
-  }
-  const cv::Mat picture = decoded(localisation_figure(run, "a drive", FigureFormat::kPng));
-  const cv::Mat plot = picture(cv::Rect(70, 68, 1000, 360));  // 10 s wide, 2 m high
-  const auto box_of = [&plot](Colour colour) {
 /// A trunk ahead, a wall to the left and a single beam to the right: the first is an object, the
 /// others are refused, each where it stands.
 TEST(ScanFigure, WhatIsRefusedIsDrawnAsSuch) {
@@ -541,6 +541,21 @@ TEST(ScanFigure, WhatIsRefusedIsDrawnAsSuch) {
   EXPECT_GT(cv::countNonZero(pixels_of(plot, refused)), 150) << "the wall's ring is large";
 }
 
+/// Ten seconds: lost for two, ambiguous for two, then 0.5 m off, and at last 5 m.
+TEST(LocalisationFigure, StatesAndErrorsStandAtTheirTimes) {
+  evaluation::LocalisationEvaluation run;
+  for (int i = 0; i <= 10; ++i) {
+    evaluation::ShadowMoment m;
+    m.time_s = i;
+    m.state = i <= 2   ? evaluation::PlaceState::kLost
+              : i <= 4 ? evaluation::PlaceState::kAmbiguous
+                       : evaluation::PlaceState::kPlaced;
+    if (i > 4) m.error_m = i < 10 ? 0.5 : 5.0;
+    run.moments.push_back(m);
+  }
+  const cv::Mat picture = decoded(localisation_figure(run, "a drive", FigureFormat::kPng));
+  const cv::Mat plot = picture(cv::Rect(70, 68, 1000, 360));  // 10 s wide, 2 m high
+  const auto box_of = [&plot](Colour colour) {
     std::vector<cv::Point> found;
     cv::findNonZero(pixels_of(plot, colour), found);
     return found.empty() ? cv::Rect() : cv::boundingRect(found);

@@ -17,6 +17,7 @@
 #include "io/config/config_file.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/plan_report.hpp"
+#include "io/map/plan_names.hpp"
 #include "mapping/plan/orchard_plan.hpp"
 #include "unit/io/test_folder.hpp"
 
@@ -256,10 +257,10 @@ TEST_F(PlanFile, NamesSurviveCsv) {
       written("names.csv", "row,tree,x,y\n\"A, \"\"old\"\"\",1,0,0\n\"A, \"\"old\"\"\",2,3,0\n");
   const StoredPlan plan = read_plan(path, {});
   EXPECT_EQ(plan.plan.rows[0].name, "A, \"old\"");
-  EXPECT_EQ(plan_names_csv({{17, plan.plan.rows[0].name, "1"}}),
+  EXPECT_EQ(plan_names_csv({{17, {plan.plan.rows[0].name, "1"}}}),
             "id,row,tree\n17,\"A, \"\"old\"\"\",1\n");
   const std::string names =
-      written("back.csv", plan_names_csv({{17, plan.plan.rows[0].name, "1"}, {18, "B", ""}}));
+      written("back.csv", plan_names_csv({{17, {plan.plan.rows[0].name, "1"}}, {18, {"B", ""}}}));
   const auto back = read_plan_names(names);
   EXPECT_EQ(back.at(17).row, "A, \"old\"");
   EXPECT_EQ(back.at(18).tree, "");

@@ -260,7 +260,7 @@ TEST(MapGeopackage, HoldsWaysAndRowsAsLayers) {
   for (const auto& [name, count] : std::vector<std::pair<const char*, int>>{{"landmarks", 40},
                                                                             {"rows", 4},
                                                                             {"gaps", 0},
-                                                                            {"alleys", 3},
+                                                                            {"aisles", 3},
                                                                             {"headlands", 4},
                                                                             {"nodes", 6},
                                                                             {"path", 1}}) {
@@ -268,9 +268,9 @@ TEST(MapGeopackage, HoldsWaysAndRowsAsLayers) {
     ASSERT_NE(layer, nullptr) << name;
     EXPECT_EQ(layer->GetFeatureCount(), count) << name;
   }
-  const std::unique_ptr<OGRFeature> alley(dataset->GetLayerByName("alleys")->GetNextFeature());
+  const std::unique_ptr<OGRFeature> alley(dataset->GetLayerByName("aisles")->GetNextFeature());
   EXPECT_NEAR(alley->GetFieldAsDouble("width_m"), 3.9, 1e-6);
-  EXPECT_THAT(read_bytes(folder / "graph.json"), HasSubstr("\"kind\": \"alley\""));
+  EXPECT_THAT(read_bytes(folder / "graph.json"), HasSubstr("\"kind\": \"aisle\""));
 }
 
 TEST(Summary, WarnsOfAGeoreferenceThatDoesNotFit) {

@@ -37,7 +37,7 @@ TEST(Inventory, CountsTreesGapsAndAreasByRow) {
   map.push_back(tree(8, 0, 0, 0.5));
   map.back().label = detection::Label::kUnseen;
   const Inventory inventory = compute_inventory(map);
-  ASSERT_EQ(inventory.rows.size(), 3u);
+  ASSERT_EQ(inventory.rows.size(), 2u);
   const RowInventory &one = inventory.rows[0], &three = inventory.rows[1];
   EXPECT_EQ(one.row, 1);
   EXPECT_EQ(one.num_trees, 3);
@@ -52,14 +52,35 @@ TEST(Inventory, CountsTreesGapsAndAreasByRow) {
   EXPECT_NEAR(one.tcsa_sd_cm2, std::hypot(M_PI / 2.0 * 10.0 * 0.2, M_PI / 2.0 * 20.0 * 0.3), 1e-9);
   EXPECT_EQ(three.num_trees, 2);
   EXPECT_TRUE(three.gaps.empty());
-  EXPECT_EQ(inventory.rows[2].row, 0);
-  EXPECT_EQ(inventory.all.num_trees, 6);
+  EXPECT_EQ(inventory.all.num_trees, 5);
   EXPECT_EQ(inventory.all.gaps.size(), 2u);
-  EXPECT_EQ(inventory.num_objects, 1);
-  EXPECT_EQ(inventory.num_unseen, 1);
-  EXPECT_EQ(inventory.certainty.num_sure, 4);
+  EXPECT_EQ(inventory.kinds.of(Kind::kObject), 1);
+  EXPECT_EQ(inventory.kinds.of(Kind::kUnseen), 1);
+  EXPECT_EQ(inventory.certainty.num_sure, 3);
   EXPECT_EQ(inventory.certainty.num_likely, 1);
   EXPECT_EQ(inventory.certainty.num_unsure, 1);
+}
+
+TEST(Inventory, TrunksInNoRowAreApartAndInNoSum) {
+  std::vector<Landmark> map{tree(1, 1, 1, 0.10), tree(2, 1, 2, 0.10), tree(3, 0, 0, 0.90),
+                            tree(4, 0, 0, 0.80)};
+  map[2].probability = 0.1;
+  const Inventory orchard = compute_inventory(map);
+  EXPECT_EQ(orchard.kinds.text(), "2 trees in rows, 2 other trunks");
+  EXPECT_EQ(orchard.all.num_trees, 2);
+  EXPECT_NEAR(orchard.all.tcsa_cm2, 2.0 * tcsa_cm2(0.10), 1e-9);
+  EXPECT_EQ(orchard.other.num_trees, 2);
+  EXPECT_NEAR(orchard.other.tcsa_cm2, tcsa_cm2(0.90) + tcsa_cm2(0.80), 1e-9);
+  EXPECT_EQ(orchard.certainty.num_unsure, 0);
+  EXPECT_EQ(diameter_histogram(map).counts, (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2}));
+
+  // A park has no rows: there all trunks are what is counted.
+  for (Landmark& l : map) l.row = l.position = 0;
+  const Inventory park = compute_inventory(map);
+  EXPECT_EQ(park.kinds.text(), "4 trunks");
+  EXPECT_EQ(park.all.num_trees, 4);
+  EXPECT_EQ(park.other.num_trees, 0);
+  EXPECT_TRUE(park.rows.empty());
 }
 
 TEST(Inventory, NothingAndAbsurdNumbersAreBounded) {
@@ -113,6 +134,12 @@ TEST(Growth, IsOfTreesThatBothMapsMeasured) {
   EXPECT_EQ(growth.at(2).num_pairs, 1) << "by the later map's rows";
   EXPECT_EQ(growth.at(kGrowthOfAll).num_pairs, 2);
   EXPECT_NEAR(growth.at(kGrowthOfAll).percent(), 10.5, 1e-9);
+
+  std::vector<Landmark> without_row = later;
+  without_row[0].row = 0;
+  const GrowthByRow in_rows = growth_by_row(earlier, without_row, comparison);
+  EXPECT_EQ(in_rows.at(0).num_pairs, 1);
+  EXPECT_EQ(in_rows.at(kGrowthOfAll).num_pairs, 1) << "a trunk in no row is in no sum";
 }
 
 }  // namespace

@@ -130,8 +130,9 @@ TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const TrueTree& t = b.block.trees[static_cast<std::size_t>(map.tree_of[i])];
     const PlannedRow& row = b.plan.rows[static_cast<std::size_t>(t.row)];
-    EXPECT_EQ(std::to_string(map.landmarks[i].row), row.name);
-    const std::string tree = t.place < 0 ? "0" : row.trees[static_cast<std::size_t>(t.place)].name;
+    const bool is_planned = t.place >= 0;
+    EXPECT_EQ(std::to_string(map.landmarks[i].row), is_planned ? row.name : "0");
+    const std::string tree = is_planned ? row.trees[static_cast<std::size_t>(t.place)].name : "0";
     EXPECT_EQ(std::to_string(map.landmarks[i].position), tree);
   }
   ASSERT_EQ(rows.size(), b.plan.rows.size());
@@ -161,12 +162,13 @@ TEST(PlanNumbers, NamesThatAreNoNumbersAreCounted) {
   }
   const PlanMatch match = match_plan(plan, landmarks, DetectionMap(), {});
   ASSERT_TRUE(match.is_registered()) << match.fit.reason;
-  const std::vector<PlanName> names = number_by_plan(plan, match, landmarks);
+  const PlanNames names = number_by_plan(plan, match, landmarks);
   EXPECT_EQ(landmarks[8].row, 2);
   EXPECT_EQ(landmarks[8].position, 3);
-  EXPECT_EQ(names[8].landmark_id, 108);
-  EXPECT_EQ(names[8].row, "west");
-  EXPECT_EQ(names[8].tree, "2b");
+  EXPECT_EQ(names.at(108).row, "west");
+  EXPECT_EQ(names.at(108).tree, "2b");
+  const RowNames named{{1, "east"}, {2, "west"}};
+  EXPECT_EQ(plan_row_names(landmarks, names), named);
 }
 
 TEST(PlanBuilding, TreesComeInOrderOfNumbersOrAlongTheRow) {
@@ -180,6 +182,22 @@ TEST(PlanBuilding, TreesComeInOrderOfNumbersOrAlongTheRow) {
   EXPECT_EQ(built.plan.rows[0].trees[0].name, "9");
   EXPECT_EQ(built.plan.rows[1].trees[1].name, "2");
   EXPECT_DOUBLE_EQ(built.plan.rows[1].trees[1].p_plan.x(), 2.0);
+}
+
+TEST(PlanBuilding, RowsAreInOrderOfTheirNames) {
+  std::vector<LoosePlannedTree> trees;
+  std::vector<PlannedLine> lines;
+  double y_m = 0.0;
+  for (const char* name : {"A10-Sur", "A2-Sur", "A-Sur", "A2-Norte", "12", "3"}) {
+    trees.push_back({name, "1", {0.0, y_m}});
+    lines.push_back({name, {{0.0, y_m}, {4.0, y_m}}});
+    y_m += 4.0;
+  }
+  for (const BuiltPlan& built : {plan_of_trees(trees), plan_of_lines(lines, 2.0)}) {
+    std::string names;
+    for (const PlannedRow& row : built.plan.rows) names += row.name + " ";
+    EXPECT_EQ(names, "3 12 A-Sur A2-Norte A2-Sur A10-Sur ");
+  }
 }
 
 TEST(PlanBuilding, SaysWhatCannotBe) {

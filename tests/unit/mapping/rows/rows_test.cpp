@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/rows/row_numbers.hpp"
 #include "mapping/rows/row_tracks.hpp"
 #include "unit/mapping/rows/planted_rows.hpp"
 #include "worlds/landmark.hpp"
@@ -513,6 +514,27 @@ TEST(ProbabilityByOrder, SaysLittleForWhatStandsOutsideAndNothingByOneRow) {
   EXPECT_EQ(landmarks[4].probability, landmarks[1].probability) << "an empty slot is no tree";
   EXPECT_LT(landmarks[7].probability, 0.1);
   EXPECT_EQ(landmarks[8].probability, 0.01) << "a hedge is no likelier for standing outside";
+}
+
+/// What stands within 0.3 of a spacing of an empty slot is the tree of that slot; an object there,
+/// a trunk farther away and one beyond the ends of the row are not.
+TEST(RowNumbers, ATrunkBesideAnEmptySlotHasItsNumber) {
+  std::vector<Landmark> landmarks;
+  for (const int position : {2, 3, 5, 7, 8, 10}) {
+    landmarks.push_back(test::tree(position, 0.0, 2.0 * position));
+    landmarks.back().row = 1;
+    landmarks.back().position = position;
+  }
+  landmarks.push_back(test::tree(24, 0.5, 8.1));
+  landmarks.push_back(test::tree(26, 0.7, 12.0));
+  landmarks.push_back(test::landmark(29, Label::kObject, 0.1, 18.0));
+  landmarks.push_back(test::tree(31, 0.0, 22.0));
+  number_trunks_in_gaps(landmarks);
+  const std::vector<Row> rows = numbered_rows(landmarks);
+  ASSERT_EQ(rows.size(), 1u);
+  std::vector<std::int32_t> ids;
+  for (const RowSlot& slot : rows[0].places) ids.push_back(slot.landmark_id);
+  EXPECT_EQ(ids, (std::vector<std::int32_t>{2, 3, 24, 5, 0, 7, 8, 0, 10}));
 }
 
 }  // namespace

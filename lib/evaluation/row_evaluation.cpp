@@ -212,7 +212,7 @@ std::string row_summary(const RowEvaluation& e) {
   if (e.num_in_alleys > 0) {
     text += fmt::format(
         "cross-track error there: RMS {:.3f}, median {:.3f}, 95 % {:.3f}, most {:.3f} m\n"
-        "right alley: {:.1f} % of them; longest in a wrong one: {:.1f} s, {:.1f} m\n",
+        "right aisle: {:.1f} % of them; longest in a wrong one: {:.1f} s, {:.1f} m\n",
         e.cross_track_m.rmse, e.cross_track_m.median, e.cross_track_95_m, e.cross_track_m.max,
         100.0 * share(e.num_right_alley, e.num_in_alleys), e.wrong_longest_s, e.wrong_longest_m);
   }

@@ -40,7 +40,7 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
 void add_trajectory(CLI::App& evaluate, Run& run) {
   add_command<EvaluateTrajectoryOptions>(
       evaluate, run, "trajectory",
-      "Compare an estimated trajectory with the true one: ATE, RPE, cross-track error, right alley",
+      "Compare an estimated trajectory with the true one: ATE, RPE, cross-track error, right aisle",
       "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
       "  orchard evaluate trajectory out/drive/trajectory.csv --truth track.csv --align \\\n"
       "      --delta 10 --unit m\n"
@@ -51,7 +51,7 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
       "paths from trajectory.tum. The truth may have gaps and may lack headings; it is\n"
       "interpolated to the time of each pose, but not across a gap. Nothing is aligned unless\n"
       "asked: a pose in a given map is right or wrong as it is. With --rows: the error across the\n"
-      "rows, and the share of poses in the right alley.\n",
+      "rows, and the share of poses in the right aisle.\n",
       run_evaluate_trajectory, [](CLI::App& command, EvaluateTrajectoryOptions& o) {
         add_required(command, "trajectory", o.trajectory_path, "FOLDER|CSV",
                      "map folder, or its trajectory.csv");
@@ -59,7 +59,7 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
                      "true poses: utime_us,x_m,y_m and optionally yaw_rad");
         add_value(command, "--rows", o.rows_path, "FOLDER|FILE",
                   "map, or survey (CSV, GeoJSON ...) of the rows, in the frame of --truth: also "
-                  "evaluate cross-track error and alley");
+                  "evaluate cross-track error and aisle");
         auto* align = command.add_flag(
             "--align", o.align, "first align the trajectory with the truth by least squares");
         command.add_flag("--align-origin", o.align_origin, "first align the first poses of both")

@@ -82,7 +82,7 @@ std::optional<evaluation::RowEvaluation> judge_rows(
       rows.end());
   if (rows.size() < 2) {
     throw io::FileError(options.rows_path +
-                        " has fewer than two rows of two trees or more, so there is no alley to be "
+                        " has fewer than two rows of two trees or more, so there is no aisle to be "
                         "in; give a map or survey of the whole block");
   }
   const evaluation::RowEvaluation judged = evaluation::evaluate_rows(evaluation.compared, rows);

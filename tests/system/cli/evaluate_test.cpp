@@ -136,7 +136,7 @@ TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfASurvey) {
   EXPECT_NEAR(json["wrong_longest_s"].get<double>(), 4.0, 1e-6);
   const Result said = evaluate({"--rows", path("survey.csv")});
   EXPECT_EQ(said.exit_code, 0) << said.err;
-  EXPECT_THAT(said.out, HasSubstr("right alley: 75.0 % of them"));
+  EXPECT_THAT(said.out, HasSubstr("right aisle: 75.0 % of them"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfAMap) {

@@ -151,7 +151,7 @@ TEST(EvaluateRows, RefusesWhatAreNoRows) {
 TEST(EvaluateRows, SaysWhatTheFiguresAre) {
   const RowEvaluation e = evaluate_rows(drive({{1.5, 0, 3.0}, {1.5, 0, 0, 30}}), rows_along_x(4));
   EXPECT_THAT(row_summary(e),
-              testing::HasSubstr("right alley: 75.0 % of them; longest in a wrong one: "
+              testing::HasSubstr("right aisle: 75.0 % of them; longest in a wrong one: "
                                  "9.0 s, 4.5 m"));
   EXPECT_THAT(row_json(e), testing::HasSubstr("\"right_alley\": 0.75"));
 }

@@ -37,8 +37,8 @@ struct ReportTexts {
   const char* objects =
       of("Other objects, such as posts and crates: {}.", "Otros objetos, como postes y cajas: {}.");
   const char* area =
-      of("Trunk cross-sectional area: {} cm² in all, {} cm² per tree on average.",
-         "Área de la sección transversal del tronco: {} cm² en total, {} cm² por árbol de media.");
+      of("Trunk cross-sectional area: {} cm² in all, {} cm² per trunk on average.",
+         "Área de la sección transversal del tronco: {} cm² en total, {} cm² por tronco de media.");
   const char* area_note =
       of("Trunk cross-sectional area (TCSA) is the area of a cut through the trunk at the height "
          "of the scanner. It grows with the tree and is used to compare yield and vigour.",

@@ -194,7 +194,7 @@ struct Bus::Impl {
       auto decoded = decode(bytes.data, bytes.size);
       if (auto* rejection = std::get_if<Rejection>(&decoded)) return std::move(*rejection);
       ++counts.num_good;
-      handle(std::get<0>(decoded), bytes);
+      handle(std::get<0>(std::move(decoded)), bytes);
       return {};
     };
     std::string name;  // LCM takes a regular expression, so dots are escaped
@@ -230,7 +230,7 @@ Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
 
 Bus::~Bus() = default;
 
-void Bus::subscribe(Channel channel, std::function<void(const Message&, Bytes)> handler) {
+void Bus::subscribe(Channel channel, std::function<void(Message&&, Bytes)> handler) {
   impl_->subscribe(
       channel,
       [channel](const void* data, std::size_t size) { return decode(channel, data, size); },

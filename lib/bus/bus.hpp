@@ -58,8 +58,9 @@ class Bus {
   static constexpr int kImageQueue = 64;
 
   /// Subscribes a handler to a channel. Several handlers of one channel run in the order of
-  /// subscription. Throws BusError when nothing can be received (LCM's self test failed).
-  void subscribe(Channel channel, std::function<void(const Message&, Bytes)> handler);
+  /// subscription, each with a message of its own. Throws BusError when nothing can be received
+  /// (LCM's self test failed).
+  void subscribe(Channel channel, std::function<void(Message&&, Bytes)> handler);
   void subscribe_status(std::function<void(const Status&)> handler);
   void subscribe_config(std::function<void(const ConfigNotice&)> handler);
   void subscribe_ack(std::function<void(const Ack&)> handler);

@@ -20,9 +20,8 @@ constexpr const char* kDescription =
     "Replay the sensor channels of an LCM log (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX).\n"
     "\n"
     "--in-process (default): runs detector, pose and mapper in this program; fast, deterministic.\n"
-    "--lockstep: sends to the real processes, each started with --lockstep on the same LCM URL; "
-    "each\n"
-    "  message waits until all results of the previous one are acknowledged; deterministic.\n"
+    "--lockstep: sends to the real processes, each started with --lockstep on the same LCM URL, a\n"
+    "  few messages at a time, and waits until all their results have arrived; deterministic.\n"
     "--speed X: sends in real time or X times faster, for viewing; messages may be lost, and the\n"
     "  result is not deterministic.";
 

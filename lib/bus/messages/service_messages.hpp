@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -43,23 +44,28 @@ struct ConfigNotice {
   std::string text;
 };
 
-/// Identifies an output caused by an input. In the ACK of a BEGIN it names a channel that the node
-/// reads.
+/// Identifies a message in an ACK. In the ACK of a BEGIN it names a channel that the node reads.
 struct OutputId {
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
+  bool operator==(const OutputId& other) const {
+    return channel == other.channel && seq == other.seq;
+  }
+  bool operator<(const OutputId& other) const {
+    return std::tie(channel, seq) < std::tie(other.channel, other.seq);
+  }
 };
 
-/// Number of nodes in a lockstep replay (detector, pose, mapper), numbered as in ack_t.
-inline constexpr std::int8_t kNumLockstepNodes = 3;
+/// Number of participants in a lockstep replay (detector, pose, mapper, player), numbered as in
+/// ack_t.
+inline constexpr std::int8_t kNumInLockstep = 4;
 
-/// Acknowledges in a lockstep replay that a node has handled an input and published its outputs;
-/// sent on ACK.
+/// Says in a lockstep replay what a participant sends in a round; sent on ACK.
 struct Ack {
-  std::int64_t utime = 0;            ///< of the input
-  std::int32_t seq = 0;              ///< of the input
-  std::int8_t node = 0;              ///< ack_t.DETECTOR, POSE, MAPPER
-  Channel channel = Channel::kScan;  ///< of the input
+  std::int64_t utime = 0;              ///< of the BEGIN
+  std::int32_t seq = 0;                ///< number of the round; 0 in the answer to BEGIN
+  std::int8_t node = 0;                ///< ack_t.DETECTOR, POSE, MAPPER, PLAYER
+  Channel channel = Channel::kReplay;  ///< always
   std::vector<OutputId> outputs;
 };
 
@@ -121,7 +127,7 @@ struct AckFields {
     constexpr int kChannelMax = static_cast<int>(kNumChannels) - 1;
     v.stamp(m.utime, m.seq);
     v.count("num_outputs", m.outputs);
-    v.field("node", m.node, 0, kNumLockstepNodes - 1);
+    v.field("node", m.node, 0, kNumInLockstep - 1);
     v.field("channel", m.channel, 0, kChannelMax);
     v.column("output_channels", m.outputs, "num_outputs", &OutputId::channel, 0, kChannelMax);
     v.column("output_seqs", m.outputs, "num_outputs", &OutputId::seq, INT32_MIN, INT32_MAX);

@@ -86,7 +86,8 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
       peers_(name, report_.host(), config.hash),
       alone_(alone) {
   for (const Channel channel : node.inputs()) {
-    bus_.subscribe(channel, [this](const Message& message, Bytes bytes) { take(message, bytes); });
+    bus_.subscribe(channel,
+                   [this](Message&& message, Bytes bytes) { take(std::move(message), bytes); });
   }
   bus_.subscribe_status([this](const Status& status) {
     // A new process learns of this one at once instead of within a second.
@@ -205,11 +206,11 @@ void LiveNode::log_missing_inputs() {
   }
 }
 
-void LiveNode::take(const Message& message, Bytes bytes) {
+void LiveNode::take(Message&& message, Bytes bytes) {
   const Clock::time_point now = Clock::now();
   const Channel channel = channel_of(message);
   if (node_.need_of(channel) != InputNeed::kOccasional) inputs_.note(channel, now);
-  inbox_.add({now, message, bytes.size});
+  inbox_.add({now, std::move(message), bytes.size});
 }
 
 void LiveNode::drain() {

@@ -32,7 +32,7 @@ class LiveNode {
  private:
   using Clock = std::chrono::steady_clock;
   void log_missing_inputs();
-  void take(const Message& message, Bytes bytes);
+  void take(Message&& message, Bytes bytes);
   void drain();
   bool handle_next();
   void wait(StopSignal& stop);

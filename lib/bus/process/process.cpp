@@ -21,7 +21,7 @@
 #include "bus/node/live_node.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/stop_signal.hpp"
-#include "bus/replay/lockstep.hpp"
+#include "bus/replay/lockstep_node.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::bus {

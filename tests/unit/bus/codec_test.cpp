@@ -428,7 +428,7 @@ TEST(ServiceMessages, AckRoundTrip) {
 
 TEST(ServiceMessages, AckOfAnUnknownNodeOrChannelIsRefused) {
   Ack ack = kAckSample;
-  ack.node = 3;
+  ack.node = kNumInLockstep;
   auto bytes = encode(ack);
   EXPECT_TRUE(std::holds_alternative<Rejection>(decode_ack(bytes.data(), bytes.size())));
   ack = kAckSample;

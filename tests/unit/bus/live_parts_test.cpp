@@ -8,7 +8,7 @@
 
 #include "bus/node/live_inputs.hpp"
 #include "bus/node/peer_processes.hpp"
-#include "bus/replay/lockstep.hpp"
+#include "bus/replay/lockstep_protocol.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -267,6 +267,19 @@ TEST(PeerProcesses, NamesFromOutsideDoNotFillTheMemory) {
   }
   const std::string named = mine.named("orchard-driver", Time());
   EXPECT_LE(std::count(named.begin(), named.end(), ','), 63);
+}
+
+TEST(LockstepSteps, AreSplitAtTheMessagesOfThePlayer) {
+  const std::vector<OutputId> round = {{Channel::kScan, 4}, {Channel::kOdometry, 9}};
+  const OutputId pose{Channel::kPose, 7}, detections{Channel::kDetections, 4};
+  Ack ack;
+  EXPECT_EQ(steps_of(ack, round), LockstepSteps());
+  ack.outputs = {round[0], detections, pose, round[1]};
+  EXPECT_EQ(steps_of(ack, round), (LockstepSteps{{detections, pose}, {}}));
+  ack.outputs = {round[0], detections};  // not all of the round yet
+  EXPECT_EQ(steps_of(ack, round), (LockstepSteps{{detections}}));
+  ack.outputs = {detections};  // of another round
+  EXPECT_EQ(steps_of(ack, round), std::nullopt);
 }
 
 TEST(LockstepUrl, IsTheSameNetworkOnAPortOfItsOwn) {

@@ -148,6 +148,7 @@ void InputWatch::note(Channel channel, Clock::time_point now) {
   Input& input = inputs_[static_cast<std::size_t>(channel)];
   if (input.last) input.gaps[input.num_gaps++ % input.gaps.size()] = now - *input.last;
   input.last = now;
+  input.stale_from = stale_from(input);
 }
 
 /// The median, so that one long silence does not become the expected period.
@@ -170,8 +171,7 @@ std::optional<InputWatch::Clock::time_point> InputWatch::stale_from(const Input&
 bool InputWatch::update(Clock::time_point now) {
   bool changed = false;
   for (Input& input : inputs_) {
-    const auto from = stale_from(input);
-    const bool stale = from && now >= *from;
+    const bool stale = input.stale_from && now >= *input.stale_from;
     changed = changed || stale != input.stale;
     input.stale = stale;
   }
@@ -181,9 +181,9 @@ bool InputWatch::update(Clock::time_point now) {
 int InputWatch::ms_until_change(Clock::time_point now) const {
   std::int64_t ms = 1000;
   for (const Input& input : inputs_) {
-    const auto from = stale_from(input);
-    if (!from || input.stale) continue;
-    ms = std::min(ms, std::chrono::ceil<std::chrono::milliseconds>(*from - now).count());
+    if (!input.stale_from || input.stale) continue;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*input.stale_from - now);
+    ms = std::min(ms, left.count());
   }
   return static_cast<int>(std::max<std::int64_t>(ms, 0));
 }

@@ -116,6 +116,7 @@ class InputWatch {
     std::optional<Clock::time_point> last;
     std::array<std::chrono::duration<double>, 16> gaps{};
     std::size_t num_gaps = 0;
+    std::optional<Clock::time_point> stale_from;  ///< if nothing comes before
     bool stale = false;
     std::deque<Totals> seconds;  ///< totals of the last ten seconds
   };

@@ -138,6 +138,7 @@ void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
         std::memchr(from, kStrong, static_cast<std::size_t>(end - from)));
   };
   for (std::uint8_t* seed = next_strong(marks.data()); seed; seed = next_strong(seed + 1)) {
+    if (!has_weak_neighbour(seed, step)) continue;  // most edges
     waiting.push_back(seed);
     while (!waiting.empty()) {
       std::uint8_t* mark = waiting.back();

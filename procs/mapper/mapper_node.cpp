@@ -299,13 +299,14 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
   std::vector<std::int32_t> ids = update.changed_ids;
   if (!ids.empty()) last_id_ = std::max(last_id_, ids.back());
   degradation_.note_scan(detections.utime, detections.image_utime, last_id_);
-  photograph(detections, T_map_base);
-  if (!has_readers_) return;
-  const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
-  ids.insert(ids.end(), refreshed.begin(), refreshed.end());
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  send_landmarks(detections.utime, ids, update.removed_ids, send);
+  if (has_readers_) {
+    const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
+    ids.insert(ids.end(), refreshed.begin(), refreshed.end());
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    send_landmarks(detections.utime, ids, update.removed_ids, send);
+  }
+  photograph(detections, T_map_base);  // may decode a picture, for which MAP does not wait
 }
 
 void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,

@@ -300,6 +300,7 @@ std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points,
   }
   std::vector<EdgePoint> inliers;
   if (best_points == 0) return inliers;
+  inliers.reserve(points.size());
   for (const EdgePoint& p : points) {
     if (std::abs(p.x_px - (best_top + best_slope * p.y_px)) <= inlier_px) inliers.push_back(p);
   }

@@ -51,10 +51,11 @@ class FieldWriter {
   }
   template <class T>
   void array(const char*, const std::vector<T>& values, const char*) {
-    for (const T& value : values) put(value);
+    std::uint8_t* to = grow(sizeof(T) * values.size());
+    for (const T& value : values) to = store(value, to);
   }
   void array(const char*, const std::vector<std::uint8_t>& values, const char*) {
-    bytes_.insert(bytes_.end(), values.begin(), values.end());
+    std::copy(values.begin(), values.end(), grow(values.size()));
   }
   template <class T, class Lo, class Hi>
   void array(const char* name, const std::vector<T>& values, const char* count, Lo, Hi) {
@@ -73,29 +74,45 @@ class FieldWriter {
   void text(const char*, const std::string& value) {
     const std::size_t length = std::strlen(value.c_str()) + 1;
     put(static_cast<std::int32_t>(length));
-    bytes_.insert(bytes_.end(), value.c_str(), value.c_str() + length);
+    std::memcpy(grow(length), value.c_str(), length);
   }
 
-  std::vector<std::uint8_t> bytes() && { return std::move(bytes_); }
-  std::size_t size() const { return bytes_.size(); }
+  std::vector<std::uint8_t> bytes() && {
+    bytes_.resize(size_);
+    return std::move(bytes_);
+  }
+  std::size_t size() const { return size_; }
 
  private:
+  /// The place of that many more bytes.
+  std::uint8_t* grow(std::size_t num) {
+    if (size_ + num > bytes_.size()) bytes_.resize(std::max(2 * bytes_.size(), size_ + num));
+    size_ += num;
+    return bytes_.data() + (size_ - num);
+  }
+  /// Writes a value in big-endian order and returns the place behind it.
   template <class T>
-  void put(T value) {
+  static std::uint8_t* store(T value, std::uint8_t* to) {
     WireBits<sizeof(T)> bits;
     std::memcpy(&bits, &value, sizeof(T));
-    std::array<std::uint8_t, sizeof(T)> big_endian;
     for (std::size_t i = 0; i < sizeof(T); ++i) {
-      big_endian[i] = static_cast<std::uint8_t>(bits >> (8 * (sizeof(T) - 1 - i)) & 0xFF);
+      *to++ = static_cast<std::uint8_t>(bits >> (8 * (sizeof(T) - 1 - i)) & 0xFF);
     }
-    bytes_.insert(bytes_.end(), big_endian.begin(), big_endian.end());
+    return to;
+  }
+  template <class T>
+  void put(T value) {
+    store(value, grow(sizeof(T)));
   }
   template <class T, std::size_t N>
   void put(const std::array<T, N>& values) {
     for (const T& value : values) put(value);
   }
 
-  std::vector<std::uint8_t> bytes_;
+  // derived: POSE, ODOMETRY and IMU, the most frequent ones, fit in.
+  static constexpr std::size_t kFirst_bytes = 128;
+  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kFirst_bytes);
+  std::size_t size_ = 0;
 };
 
 /// Visitor that reads fields in LCM's encoding from untrusted bytes. The first error stops the

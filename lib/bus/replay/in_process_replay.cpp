@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -43,7 +42,8 @@ struct ReplayEvent {
   std::optional<Message> source;                             ///< none: the event is only a flush
   std::size_t flushed_node = 0;                              ///< for an event without source
   std::vector<std::unique_ptr<Precomputation>> precomputed;  ///< one per node
-  std::deque<Derived> derived;  // a deque: appending does not move what a node is reading
+  /// Pointers: appending does not move what a node is reading.
+  std::vector<std::unique_ptr<Derived>> derived;
 };
 
 /// A chain of nodes, each reading source messages and outputs of earlier nodes. Every node gets its
@@ -105,6 +105,7 @@ bool NodeChain::is_read_from(std::size_t node, Channel channel) const {
 void NodeChain::precompute(ReplayEvent& event) const {
   event.precomputed.clear();
   if (!event.source) return;
+  event.precomputed.reserve(nodes_.size());
   const auto channel = static_cast<std::size_t>(channel_of(*event.source));
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     event.precomputed.push_back(reads_[i][channel] ? nodes_[i]->precompute(*event.source)
@@ -125,11 +126,11 @@ void NodeChain::pass(std::size_t node, ReplayEvent& event) {
   const std::vector<bool>& reads = reads_[node];
   std::vector<std::size_t> inputs;  // outputs of earlier nodes; this node appends its own
   for (std::size_t i = 0; i < event.derived.size(); ++i) {
-    const ReplayEvent::Derived& derived = event.derived[i];
+    const ReplayEvent::Derived& derived = *event.derived[i];
     if (reads[static_cast<std::size_t>(derived.output.channel)]) inputs.push_back(i);
   }
   std::sort(inputs.begin(), inputs.end(), [&event](std::size_t a, std::size_t b) {
-    return is_before(event.derived[a].way, event.derived[b].way);
+    return is_before(event.derived[a]->way, event.derived[b]->way);
   });
   const auto begin = [&sink](std::vector<std::int32_t> cause) {
     sink.cause = std::move(cause);
@@ -144,14 +145,16 @@ void NodeChain::pass(std::size_t node, ReplayEvent& event) {
     host.deliver(*event.source);
   }
   for (const std::size_t i : inputs) {
-    begin(event.derived[i].way);
-    host.deliver(*event.derived[i].message);
+    begin(event.derived[i]->way);
+    host.deliver(*event.derived[i]->message);
   }
 }
 
 void NodeChain::take_output(std::size_t node, Output&& output) {
   Sink& sink = sinks_[node];
-  ReplayEvent::Derived derived{sink.cause, {}, std::nullopt};
+  ReplayEvent::Derived derived;
+  derived.way.reserve(sink.cause.size() + 2);
+  derived.way = sink.cause;
   derived.way.push_back(static_cast<std::int32_t>(node));
   derived.way.push_back(sink.num_sent++);
   const std::string name(info(output.channel).name);
@@ -170,7 +173,7 @@ void NodeChain::take_output(std::size_t node, Output&& output) {
     set_drive_time(*derived.message, output.drive_time);
   }
   derived.output = std::move(output);
-  sink.event->derived.push_back(std::move(derived));
+  sink.event->derived.push_back(std::make_unique<ReplayEvent::Derived>(std::move(derived)));
 }
 
 /// Events that pass through the nodes together.
@@ -277,9 +280,7 @@ class Replay {
         ++report.num_in[static_cast<std::size_t>(batch.entries[i].channel)];
       }
       std::vector<const Output*> made;
-      for (const ReplayEvent::Derived& derived : batch.events[i].derived) {
-        made.push_back(&derived.output);
-      }
+      for (const auto& derived : batch.events[i].derived) made.push_back(&derived->output);
       std::stable_sort(made.begin(), made.end(), [](const Output* a, const Output* b) {
         return std::tie(a->channel, a->seq) < std::tie(b->channel, b->seq);
       });

@@ -129,8 +129,8 @@ void LockstepNode::expect(const OutputId& id) {
   if (reads(id)) round_.inputs.emplace(id, std::nullopt);
 }
 
-/// Messages that nobody announced do not belong to this round. Two that differ under one number: one
-/// of them is a stranger's, and may have been handled.
+/// Messages that nobody announced do not belong to this round. Two that differ under one number:
+/// one of them is a stranger's, and may have been handled.
 void LockstepNode::receive(const OutputId& id, Message&& message) {
   const auto expected = round_.inputs.find(id);
   if (expected == round_.inputs.end()) return;

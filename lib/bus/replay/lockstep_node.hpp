@@ -68,7 +68,8 @@ class LockstepNode {
   std::int64_t replay_utime_ = -1;  ///< of the BEGIN
   Round round_;
   bool asked_again_ = false;
-  std::string stranger_;  ///< what another program published into the replay; it is not answered then
+  std::string
+      stranger_;  ///< what another program published into the replay; it is not answered then
 };
 
 }  // namespace orchard::bus

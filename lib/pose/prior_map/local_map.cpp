@@ -231,7 +231,7 @@ void LocalTrunkMap::correct(int trunk, const ScanObservation& observation) {
 }
 
 void LocalTrunkMap::insert(const ScanObservation& observation) {
-  if (entries_.size() >= kMaxTrunks) return;
+  if (entries_.size() >= kMaxTrunks) remove(longest_unseen());
   const Eigen::Index n = x_.size();
   const Eigen::Vector2d p = transform(T_local_base_, observation.p_base);
   const Eigen::Vector2d arm = p - T_local_base_.head<2>();
@@ -249,6 +249,13 @@ void LocalTrunkMap::insert(const ScanObservation& observation) {
   entry.num_seen = entry.num_expected = 1;
   entry.last_travel_m = travel_m_;
   entries_.push_back(entry);
+}
+
+int LocalTrunkMap::longest_unseen() const {
+  const auto oldest = std::min_element(
+      entries_.begin(), entries_.end(),
+      [](const Entry& a, const Entry& b) { return a.last_travel_m < b.last_travel_m; });
+  return static_cast<int>(oldest - entries_.begin());
 }
 
 void LocalTrunkMap::remove(int trunk) {

@@ -94,6 +94,7 @@ class LocalTrunkMap {
             double& nearest_m) const;
   void correct(int trunk, const ScanObservation& observation);
   void insert(const ScanObservation& observation);
+  int longest_unseen() const;
   void remove(int trunk);
   void remove_old_trunks();
   Eigen::Vector2d p_local(int trunk) const { return x_.segment<2>(3 + 2 * trunk); }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/random.hpp"
@@ -45,6 +46,7 @@ std::vector<ScanObservation> observe(const std::vector<Eigen::Vector2d>& trees,
 
 struct Drive {
   LocalTrunkMap map{PriorMapConfig()};
+  std::vector<Eigen::Vector2d> stand = trees();
   FieldOfView field{4.0};
   Eigen::Vector3d T = Eigen::Vector3d(1.0, 0.1, 0.0);  ///< truth
   simulation::Random random{7};
@@ -61,7 +63,7 @@ struct Drive {
     }
   }
   void scan() {
-    const auto observations = observe(trees(), T, 0.02, random);
+    const auto observations = observe(stand, T, 0.02, random);
     field.learn(observations);
     map.observe(observations, field);
   }
@@ -112,6 +114,25 @@ TEST(LocalTrunkMap, ForgetsWhatLiesBehindTheWindow) {
     EXPECT_LE(run.map.travel_m() - trunk.last_travel_m, PriorMapConfig().window_m);
   }
   EXPECT_LE(run.map.travel_m() - run.map.views().front().travel_m, PriorMapConfig().window_m);
+}
+
+TEST(LocalTrunkMap, WhereMoreStandThanItHoldsItForgetsTheOnesLongestUnseen) {
+  // A vineyard: in the window of 15 m stand some ninety stems, more than the filter holds.
+  Drive run;
+  run.stand.clear();
+  for (int i = 0; i < 45; ++i) {
+    for (const double y_m : {-2.0, -1.2, 1.2, 2.0}) run.stand.emplace_back(0.8 * i, y_m);
+  }
+  run.drive(280, 1.0);
+  const auto num_around = [&](double ahead_m) {
+    const Eigen::Vector2d there(run.map.T_local_base().x() + ahead_m, 0.0);
+    const auto trunks = run.map.trunks();
+    return std::count_if(trunks.begin(), trunks.end(), [&](const LocalTrunkMap::Trunk& trunk) {
+      return (trunk.p_local - there).norm() < 2.5;
+    });
+  };
+  EXPECT_GE(num_around(0.0), 12);
+  EXPECT_GE(num_around(2.0), 12);
 }
 
 TEST(LocalTrunkMap, BreaksWhenTheRobotWasMoved) {

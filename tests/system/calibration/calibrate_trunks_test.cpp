@@ -403,12 +403,12 @@ TEST_F(CalibrateProbability, WithoutIdsItLearnsTheCorrectedClasses) {
     tree = std::to_string(l.id);
   }
   EXPECT_THAT(unchecked.output, HasSubstr("of " + std::to_string(num_trees) + " trees"));
-  ASSERT_EQ(run("edit " + path("learn") + " class " + tree + " object").exit_code, 0);
+  ASSERT_EQ(run("edit class " + path("learn") + " " + tree + " object").exit_code, 0);
   const Outcome checked = learn(" --map " + path("learn"), "checked.yaml");
   ASSERT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_THAT(checked.output, Not(HasSubstr("nobody has corrected")));
   EXPECT_THAT(checked.output, HasSubstr("of " + std::to_string(num_trees - 1) + " trees"));
-  ASSERT_EQ(run("edit " + path("learn") + " undo").exit_code, 0);
+  ASSERT_EQ(run("edit undo " + path("learn")).exit_code, 0);
   const Outcome undone = learn(" --map " + path("learn"), "undone.yaml");
   EXPECT_THAT(undone.output, HasSubstr("nobody has corrected"));
 }

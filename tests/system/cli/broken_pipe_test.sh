@@ -50,7 +50,7 @@ ends_well "$orchard evaluate first --truth truth.csv --json"
 ends_well "$orchard compare first second --out out/changes" "[ -s out/changes/changes.csv ]"
 ends_well "$orchard merge first second --out out/merged" "[ -s out/merged/map.csv ]"
 ends_well "$orchard plan truth.csv"
-ends_well "$orchard edit first list"
+ends_well "$orchard edit list first"
 ends_well "$orchard report first --out out/report.pdf"
 ends_well "$orchard export first --format gpkg --out out/map.gpkg" "[ -s out/map.gpkg ]"
 for command in info "info --json" check "check --json"; do ends_well "$orchard log $command drive.lcm"; done

@@ -32,11 +32,15 @@ constexpr int kHypothesesPerScan = 400;
 constexpr double kLogOddsMin = 9.0;
 constexpr double kLogFitMin = 0.0;
 
-// derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour; four
-// trees show a half, and one contradicting check may be by chance. The trunks within 1.5 detection
-// ranges check the present position.
-constexpr double kLostSd_m = 1.0;
-constexpr double kLostSpacings = 0.3;
+// derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour: no
+// trunk may be taken for a landmark by its place alone. A vague pose is corrected twice a metre;
+// its grid is fine enough up to three metres of standard deviation, beyond it is lost. Four trees
+// show a half, and one contradicting check may be by chance. The trunks within 1.5 detection ranges
+// check the present position.
+constexpr double kVagueSd_m = 1.0;
+constexpr double kVagueSpacings = 0.3;
+constexpr double kLostSd_m = 3.0;
+constexpr double kCorrectionInterval_m = 0.5;
 constexpr int kExpectedTreesMin = 4;
 constexpr int kContradictionsMin = 2;
 constexpr double kNearby_ranges = 1.5;
@@ -123,7 +127,11 @@ void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
   const double travel_m = T_base_next.head<2>().norm();
   local_.move(T_base_next, covariance, travel_m);
   if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance, travel_m);
-  if (tracking_) tracker_.move(T_base_next, covariance);
+  if (vague_) {
+    vague_->move(T_base_next, covariance);
+  } else if (tracking_) {
+    tracker_.move(T_base_next, covariance);
+  }
 }
 
 void PriorMapLocaliser::add(const detection::Detections& seen) {
@@ -147,7 +155,10 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   field_.learn(observations);
   local_.observe(observations, field_);
   watch_for_kidnapping(observations);
-  if (tracking_) {
+  if (tracking_ && !vague_ && is_vague(tracker_.covariance())) become_vague();
+  if (vague_) {
+    watch_vague_pose();
+  } else if (tracking_) {
     track(observations);
   } else {
     search();
@@ -197,7 +208,11 @@ void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double 
   const double travel_m = std::abs(speed_mps) * dt_s;
   local_.move(T_base_next, covariance_next, travel_m);
   if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance_next, travel_m);
-  if (tracking_) tracker_.move(step);
+  if (vague_) {
+    vague_->move(T_base_next, covariance_next);
+  } else if (tracking_) {
+    tracker_.move(step);
+  }
 }
 
 std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry) const {
@@ -286,6 +301,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
                  compose_covariance(hypothesis.T_map_base, hypothesis.covariance,
                                     local_.T_local_base(), local_.pose_covariance()));
   tracking_ = true;
+  vague_.reset();
   state_.clear();
   watch_.clear();
   num_contradictions_ = 0;
@@ -293,6 +309,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
 
 void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks) {
   tracking_ = false;
+  vague_.reset();
   ++num_lost_;
   search_.reset();
   watch_.clear();
@@ -304,7 +321,7 @@ void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks)
 }
 
 std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
-  if (!tracking_ || !utime_) return std::nullopt;
+  if (!tracking_ || vague_ || !utime_) return std::nullopt;
   Eigen::Vector3d T = tracker_.T_map_base();
   const Eigen::Matrix3d P = tracker_.covariance();
   if (!T.allFinite() || !P.allFinite()) return std::nullopt;
@@ -314,6 +331,10 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 
 std::string PriorMapLocaliser::warning() const {
   if (!tracking_) return state_;
+  if (vague_) {
+    return "AMBIGUOUS: the trunks around do not tell the place to better than " +
+           fixed_text(largest_sd_m(vague_->covariance()), 1) + " m; drive on";
+  }
   if (num_unreliable_ > 0) {
     return "the last " + std::to_string(num_unreliable_) +
            " scans could not be matched: the motion between trees is extrapolated";
@@ -369,13 +390,6 @@ void PriorMapLocaliser::track(const std::vector<ScanObservation>& observations) 
     }
     restart_local_map();
   }
-  const double sd_m = largest_sd_m(tracker_.covariance());
-  if (sd_m > std::min(kLostSd_m, kLostSpacings * map_.spacing_m())) {
-    declare_lost("no tree was recognised for too long; the position uncertainty is " +
-                     fixed_text(sd_m, 1) + " m",
-                 false);
-    return;
-  }
   if (search_ && search_->step(kHypothesesPerScan)) {
     const bool is_rivalled = has_rival(search_->result());
     search_.reset();
@@ -389,6 +403,54 @@ void PriorMapLocaliser::track(const std::vector<ScanObservation>& observations) 
   }
   if (trees_gone || local_.travel_m() - checked_travel_m_ >= kSearchInterval_m)
     check_present_pose(trees);
+}
+
+bool PriorMapLocaliser::is_vague(const Eigen::Matrix3d& covariance) const {
+  return largest_sd_m(covariance) > std::min(kVagueSd_m, kVagueSpacings * map_.spacing_m());
+}
+
+void PriorMapLocaliser::become_vague() {
+  vague_.emplace(map_);
+  vague_->start(tracker_.T_map_base(), tracker_.covariance());
+  search_.reset();
+  watch_.clear();
+  num_contradictions_ = 0;
+  corrected_travel_m_ = local_.travel_m();
+}
+
+/// Returns the trunks around, relative to base. A search that is under way keeps its frame.
+std::vector<LocalTrunkMap::Trunk> PriorMapLocaliser::trunks_around(double reach_m) {
+  if (!search_) local_.reset_origin();
+  std::vector<LocalTrunkMap::Trunk> around;
+  const LocalEvidence all = evidence(local_);
+  for (LocalTrunkMap::Trunk trunk : all.trunks) {
+    trunk.p_local = geometry::inverse_transform(local_.T_local_base(), trunk.p_local);
+    const bool is_recent = local_.travel_m() - trunk.last_travel_m <= reach_m;
+    if (is_recent && trunk.p_local.norm() <= reach_m) around.push_back(trunk);
+  }
+  return around;
+}
+
+void PriorMapLocaliser::watch_vague_pose() {
+  const double travel_m = local_.travel_m() - corrected_travel_m_;
+  if (travel_m >= kCorrectionInterval_m) {
+    // A trunk is around for about twice the reach of travel, and counts once.
+    const double reach_m = kNearby_ranges * config_.detection_range_m;
+    vague_->correct(trunks_around(reach_m), std::min(1.0, 0.5 * travel_m / reach_m));
+    corrected_travel_m_ = local_.travel_m();
+  }
+  const double sd_m = largest_sd_m(vague_->covariance());
+  if (sd_m > kLostSd_m) {
+    declare_lost("no tree was recognised for too long; the position uncertainty is " +
+                     fixed_text(sd_m, 1) + " m",
+                 false);
+  } else if (!is_vague(vague_->covariance())) {
+    tracker_.start(vague_->T_map_base(), vague_->covariance());
+    vague_.reset();
+    search_.reset();
+  } else {
+    search();  // a place of the whole map that fits far better than all others goes before
+  }
 }
 
 PoseHypothesis PriorMapLocaliser::present_hypothesis(const HypothesisScorer& scorer) const {

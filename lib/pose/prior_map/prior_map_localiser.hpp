@@ -13,6 +13,7 @@
 #include "pose/prior_map/prior_map.hpp"
 #include "pose/prior_map/search.hpp"
 #include "pose/prior_map/tracker.hpp"
+#include "pose/prior_map/vague_pose.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
 
 namespace orchard::pose {
@@ -24,7 +25,8 @@ namespace orchard::pose {
 /// and accepts a position only when it is more likely than all others together by kLogOddsMin;
 /// until then warning() says LOST (nothing fits) or AMBIGUOUS (several positions fit). While
 /// tracking it gives poses, and returns to searching if expected trees are missing or the local
-/// trunks contradict the position. Uses Detections and Odometry, or scans with `motion: scans`.
+/// trunks contradict the position. A position that has become vague is AMBIGUOUS, without a pose,
+/// until the trunks tell it again. Uses Detections and Odometry, or scans with `motion: scans`.
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument if the landmarks are not suitable (see problem_with). `mount` and
@@ -53,6 +55,10 @@ class PriorMapLocaliser : public Localiser {
   double time_since_motion_s() const;
 
   void track(const std::vector<ScanObservation>& observations);
+  bool is_vague(const Eigen::Matrix3d& covariance) const;
+  void become_vague();
+  void watch_vague_pose();
+  std::vector<LocalTrunkMap::Trunk> trunks_around(double reach_m);
   void check_present_pose(const TreeDetectionMonitor::Count& trees);
   void start_rival_search(const LocalTrunkMap& local);
   bool has_rival(const SearchResult& result) const;
@@ -74,6 +80,7 @@ class PriorMapLocaliser : public Localiser {
   std::optional<LocalTrunkMap> since_kidnapping_;
   double kidnapping_travel_m_ = 0.0;
   PriorMapTracker tracker_;
+  std::optional<VaguePose> vague_;        ///< in place of the tracker, where trunks look alike
   std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
   PoseHypothesis held_hypothesis_;        ///< position when the search for a rival began
 
@@ -87,8 +94,9 @@ class PriorMapLocaliser : public Localiser {
   int num_contradictions_ = 0;
   double checked_travel_m_ = 0.0;  ///< travel at the last search or check
   std::size_t checked_trunks_ = 0;
-  double lost_travel_m_ = 0.0;  ///< travel at which the position was lost; initially 0
-  std::string state_;           ///< why there is no position; empty while tracking
+  double corrected_travel_m_ = 0.0;  ///< travel at the last correction of the vague pose
+  double lost_travel_m_ = 0.0;       ///< travel at which the position was lost; initially 0
+  std::string state_;                ///< why there is no position; empty while tracking
   std::int64_t num_lost_ = 0;
 };
 

@@ -34,7 +34,7 @@ constexpr double kLogFitMin = 0.0;
 
 // derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour: no
 // trunk may be taken for a landmark by its place alone. A vague pose is corrected twice a metre;
-// its grid is fine enough up to three metres of standard deviation, beyond it is lost. Four trees
+// its grid is fine enough up to three metres of standard deviation; beyond, it is lost. Four trees
 // show a half, and one contradicting check may be by chance. The trunks within 1.5 detection ranges
 // check the present position.
 constexpr double kVagueSd_m = 1.0;

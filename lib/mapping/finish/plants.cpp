@@ -145,7 +145,8 @@ constexpr std::size_t kPlantsPerTreeInRow = 3;
 
 /// Reach of a plant [m]: a third of the spacing of the rows, which appear when the parts are
 /// thinned out step by step: those with most trees. 0 if these are few of the plants so joined, if
-/// most trees stand in rows as they are, or if a landmark has on average less than one companion.
+/// the plants stand in no row, if most trees stand in rows as they are, or if a landmark has on
+/// average less than one companion.
 double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
   double reach_m = 0.0;
   std::size_t most = 0;
@@ -164,7 +165,8 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
   }
   if (num_companions(all, reach_m) < 1.0) return 0.0;
   const auto plants = joined(all.landmarks, plants_of(all, reach_m), of_seen_most);
-  return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
+  const bool has_rows = !find_rows(plants, config).empty();
+  return has_rows && kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
 }
 
 }  // namespace

@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "geometry/angles.hpp"
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/symmetric.hpp"
+#include "mapping/rows/row_spacing.hpp"
 #include "mapping/rows/rows.hpp"
 #include "mapping/tuning.hpp"
 
@@ -22,21 +24,62 @@ using Eigen::Vector2d;
 /// derived: rounds of reweighting: it converges in three.
 constexpr int kFitRounds = 4;
 
+/// physical: nothing is planted closer along a row [m]; a hedge's bits are.
+constexpr double kSpacingMin_m = 0.3;
+/// derived: a step of sqrt(2) spacings is as near to one as to two, on a scale of factors.
+constexpr double kSingle = 1.4142;
+
 struct Link {
   Vector2d middle{0, 0};
   double length_m = 0.0;
   double angle_rad = 0.0;
+  double spacing_m = 0.0;  ///< of what is planted around its row
   double weight = 0.0;
 };
 
-std::vector<Link> links_of(const std::vector<Vector2d>& p_map,
-                           const std::vector<RowChain>& chains) {
+/// The spacing around each chain [m]: the strongest in its spectrum and those of the chains within
+/// `reach_m`, because spacings of curved rows differ across a block.
+std::vector<double> spacings_around_m(const std::vector<Vector2d>& p_map,
+                                      const std::vector<RowChain>& chains, double reach_m) {
+  std::vector<SpacingSpectrum> own(chains.size(), SpacingSpectrum(kSpacingMin_m));
+  std::vector<std::size_t> chain_of(p_map.size(), chains.size());
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    std::vector<double> along_m;
+    for (std::size_t k = 0; k < chains[c].size(); ++k) {
+      const std::size_t i = index_of(chains[c][k]);
+      const std::size_t before = index_of(chains[c][k > 0 ? k - 1 : k]);
+      along_m.push_back((k > 0 ? along_m.back() : 0.0) + (p_map[i] - p_map[before]).norm());
+      chain_of[i] = c;
+    }
+    own[c].add(along_m);
+  }
+  const geometry::IndexedPoints points(p_map);
+  std::vector<double> spacings_m;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    std::set<std::size_t> around;
+    for (const std::int32_t i : chains[c]) {
+      for (const std::int32_t k : points.within(p_map[index_of(i)], reach_m)) {
+        around.insert(chain_of[index_of(k)]);
+      }
+    }
+    around.erase(chains.size());
+    SpacingSpectrum spectrum(kSpacingMin_m);
+    for (const std::size_t near : around) spectrum.add(own[near]);
+    spacings_m.push_back(spectrum.strongest_m());
+  }
+  return spacings_m;
+}
+
+std::vector<Link> links_of(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains,
+                           double reach_m) {
+  const std::vector<double> spacings_m = spacings_around_m(p_map, chains, reach_m);
   std::vector<Link> links;
-  for (const RowChain& chain : chains) {
-    for (std::size_t k = 1; k < chain.size(); ++k) {
-      const Vector2d &a = p_map[index_of(chain[k - 1])], &b = p_map[index_of(chain[k])];
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (std::size_t k = 1; k < chains[c].size(); ++k) {
+      const Vector2d &a = p_map[index_of(chains[c][k - 1])], &b = p_map[index_of(chains[c][k])];
       const Vector2d d = b - a;
-      links.push_back({0.5 * (a + b), d.norm(), std::atan2(d.y(), d.x())});
+      const double spacing_m = spacings_m[c] > 0.0 ? spacings_m[c] : d.norm();
+      links.push_back({0.5 * (a + b), d.norm(), std::atan2(d.y(), d.x()), spacing_m});
     }
   }
   return links;
@@ -75,41 +118,41 @@ double direction_at(const Vector2d& p, const std::vector<Link>& links,
   return angle_rad;
 }
 
-/// Spacing from lengths of links: the median of the single steps. Links count by their length, so
-/// that a hedge or a bush of many short ones does not outvote the rows.
-double spacing_of(std::vector<double> lengths_m) {
+/// The length at which half of all length is reached. Links count by their length, so that a hedge
+/// or a bush of many short ones does not outvote the rows.
+double middle_by_length_m(std::vector<double> lengths_m) {
   std::sort(lengths_m.begin(), lengths_m.end());
-  const auto quantile = [&](std::size_t begin, std::size_t end, double fraction) {
-    double sum_m = 0.0, upto_m = 0.0;
-    for (std::size_t k = begin; k < end; ++k) sum_m += lengths_m[k];
-    for (std::size_t k = begin; k < end; ++k) {
-      upto_m += lengths_m[k];
-      if (upto_m >= fraction * sum_m) return k;
-    }
-    return end - 1;
-  };
-  // Gaps only make steps longer, so a step from the lower third is single.
-  const double typical_m = lengths_m[quantile(0, lengths_m.size(), 0.3)];
-  std::size_t begin = 0, end = lengths_m.size();
-  while (lengths_m[begin] < typical_m / 1.45) ++begin;
-  while (lengths_m[end - 1] > 1.45 * typical_m) --end;
-  return lengths_m[quantile(begin, end, 0.5)];
+  const double half_m = 0.5 * std::accumulate(lengths_m.begin(), lengths_m.end(), 0.0);
+  double upto_m = 0.0;
+  for (const double m : lengths_m) {
+    upto_m += m;
+    if (upto_m >= half_m) return m;
+  }
+  return lengths_m.back();
+}
+
+/// Spacing from links, at least one: that of those which are single steps of what is planted around
+/// them; if none is, what is planted.
+double spacing_of(const std::vector<Link>& links) {
+  std::vector<double> single_m, planted_m;
+  for (const Link& link : links) {
+    const double steps = link.length_m / link.spacing_m;
+    if (steps > 1.0 / kSingle && steps < kSingle) single_m.push_back(link.length_m);
+    planted_m.push_back(link.spacing_m);
+  }
+  return middle_by_length_m(single_m.empty() ? std::move(planted_m) : std::move(single_m));
 }
 
 }  // namespace
 
 std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double seeds_spacing_m,
                                   const std::vector<RowChain>& chains) {
-  std::vector<Link> links = links_of(p_map, chains);
-  std::vector<Vector2d> middles;
-  std::vector<double> lengths_m;
-  for (const Link& link : links) {
-    middles.push_back(link.middle);
-    lengths_m.push_back(link.length_m);
-  }
+  std::vector<Link> links = links_of(p_map, chains, tuning::kLinkReach_spacings * seeds_spacing_m);
   if (links.empty()) return {p_map.size(), {Vector2d::UnitX(), seeds_spacing_m}};
+  std::vector<Vector2d> middles;
+  for (const Link& link : links) middles.push_back(link.middle);
   std::vector<LocalRows> local;
-  const double spacing_m = spacing_of(lengths_m);
+  const double spacing_m = spacing_of(links);
   // A longer link tells the direction better, but not one over a gap: it may lead to another row.
   for (Link& link : links) {
     const double spacings = link.length_m / spacing_m;
@@ -146,12 +189,12 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
     }
     const double angle_rad = direction_at(p_map[i], links, near, reach_m, first_rad);
     LocalRows here{{std::cos(angle_rad), std::sin(angle_rad)}, spacing_m};
-    std::vector<double> aligned_m;
+    std::vector<Link> aligned;
     for (const std::int32_t k : near) {
       if (std::cos(links[index_of(k)].angle_rad - angle_rad) < tuning::kTurnMax_cos) continue;
-      aligned_m.push_back(links[index_of(k)].length_m);
+      aligned.push_back(links[index_of(k)]);
     }
-    if (!aligned_m.empty()) here.spacing_m = spacing_of(std::move(aligned_m));
+    if (!aligned.empty()) here.spacing_m = spacing_of(aligned);
     local.push_back(here);
   }
   return local;

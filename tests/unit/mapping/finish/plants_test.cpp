@@ -90,6 +90,38 @@ TEST(Plants, StemsAndShootsOfAPlantAreOneLandmark) {
   }
 }
 
+/// Stakes midway between every third plant and the next, as a vineyard has them: they look like
+/// stems.
+void add_stakes(const test::Planted& block, const test::Plan& plan, std::mt19937_64& random,
+                std::vector<Landmark>& all) {
+  int id = 2 * kFirstPart;
+  const Eigen::Vector2d half_step_m =
+      0.5 * plan.tree_spacing_m *
+      Eigen::Vector2d(std::cos(plan.heading_rad), std::sin(plan.heading_rad));
+  for (const Landmark& tree : block.landmarks) {
+    if (random() % 3 != 0) continue;
+    Landmark stake = tree;
+    stake.id = ++id;
+    stake.x_m += half_step_m.x();
+    stake.y_m += half_step_m.y();
+    all.push_back(stake);
+  }
+}
+
+TEST(Plants, StakesBetweenPlantsDoNotHideTheirSpacing) {
+  std::mt19937_64 random(6);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    const test::Planted block = planted(plan, random);
+    std::vector<Landmark> all = cut_up(block, 0.2 * plan.tree_spacing_m, random);
+    const std::size_t num_parts = all.size();
+    add_stakes(block, plan, random, all);
+    const std::size_t num_stakes = all.size() - num_parts;
+    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), block.landmarks.size() + num_stakes);
+  }
+}
+
 TEST(Plants, LandmarksThatStandApartStay) {
   std::mt19937_64 random(2);
   for (int k = 0; k < kBlocks; ++k) {

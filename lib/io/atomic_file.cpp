@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
     advice = "; choose a folder in which you may write";
   }
   if (error == ENOENT) advice = "; create its folder first";
-  throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" + advice);
+  throw SystemError(path + ": cannot " + what + " (" + std::strerror(error) + ")" + advice);
 }
 
 class Descriptor {

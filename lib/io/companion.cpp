@@ -76,7 +76,7 @@ std::string program_folder() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error)
-    throw FileError(
+    throw SystemError(
         "the folder of orchard's programs cannot be determined: /proc/self/exe cannot be read");
   return self.parent_path().string();
 }
@@ -98,10 +98,10 @@ std::string output_of_companion(const std::string& program,
   const int error = ::posix_spawn(&child, path.c_str(), &actions, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
-    throw FileError(path + ": could not be started (" + std::strerror(error) +
-                    "); it must be in the same folder as this program: build it with "
-                    "`scripts/build.sh " +
-                    program + "`");
+    throw SystemError(path + ": could not be started (" + std::strerror(error) +
+                      "); it must be in the same folder as this program: build it with "
+                      "`scripts/build.sh " +
+                      program + "`");
   }
   read_all(out, err);
   std::string& said = err.text;

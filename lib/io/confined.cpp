@@ -159,13 +159,13 @@ std::string read_to_end(int fd) {
 std::string read_confined(const std::string& path, std::uint64_t file_bytes,
                           const std::function<std::string()>& read) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw FileError(path + ": its reader cannot start (pipe)");
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw SystemError(path + ": its reader cannot start (pipe)");
   const pid_t child = ::fork();
   if (child == 0) run_child(path, file_bytes, read, ends[1]);
   ::close(ends[1]);
   std::string said = child > 0 ? read_to_end(ends[0]) : std::string();
   ::close(ends[0]);
-  if (child < 0) throw FileError(path + ": its reader cannot start (process)");
+  if (child < 0) throw SystemError(path + ": its reader cannot start (process)");
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

@@ -13,4 +13,12 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Thrown when the system is the reason, not the content of a file: the disk is full or fails,
+/// a file may not be written. Another attempt may succeed. A program that catches it exits with
+/// code 1.
+class SystemError : public FileError {
+ public:
+  using FileError::FileError;
+};
+
 }  // namespace orchard::io

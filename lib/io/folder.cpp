@@ -14,9 +14,9 @@ void make_folder(const std::string& folder, const std::string& advice) {
   std::filesystem::create_directories(folder, error);
   std::error_code unreadable;
   if (std::filesystem::is_directory(folder, unreadable)) return;
-  throw FileError(folder + ": cannot be created as a folder" +
-                  (error ? " (" + error.message() + ")" : std::string()) +
-                  (advice.empty() ? std::string() : "; " + advice));
+  throw SystemError(folder + ": cannot be created as a folder" +
+                    (error ? " (" + error.message() + ")" : std::string()) +
+                    (advice.empty() ? std::string() : "; " + advice));
 }
 
 void remove_other_files(const std::string& folder, const std::set<std::string>& names,

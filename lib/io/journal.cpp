@@ -190,10 +190,10 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
 Journal::Journal(std::string path, std::int64_t identity, std::uint64_t num_good_bytes)
     : path_(std::move(path)), identity_(identity), size_(num_good_bytes) {
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (fd_ < 0) throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+  if (fd_ < 0) throw SystemError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
   try {
     if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
-      throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+      throw SystemError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
     }
     if (size_ == 0) write_header();
   } catch (const FileError&) {
@@ -209,7 +209,7 @@ Journal::~Journal() {
 void Journal::write_header() {
   const std::string header = header_of(identity_);
   if (::ftruncate(fd_, 0) != 0 || ::lseek(fd_, 0, SEEK_SET) < 0) {
-    throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+    throw SystemError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
   }
   write_fully(fd_, path_, header.data(), header.size());
   size_ = header.size();
@@ -231,7 +231,7 @@ void Journal::write_block(const std::string& records) {
   const std::size_t size =
       ZSTD_compress(block.data() + kBlockHeaderBytes, block.size() - kBlockHeaderBytes,
                     records.data(), records.size(), kCompressionLevel);
-  if (ZSTD_isError(size) != 0) throw FileError(path_ + ": cannot be compressed");
+  if (ZSTD_isError(size) != 0) throw SystemError(path_ + ": cannot be compressed");
   block.resize(kBlockHeaderBytes + size);
   std::string header;
   put(header, kBlockMark);
@@ -275,7 +275,7 @@ void Journal::commit() {
     throw;
   }
   if (::fdatasync(fd_) != 0) {
-    throw FileError(path_ + ": cannot be synced to the disk (" + std::strerror(errno) + ")");
+    throw SystemError(path_ + ": cannot be synced to the disk (" + std::strerror(errno) + ")");
   }
 }
 

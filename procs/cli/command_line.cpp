@@ -183,12 +183,11 @@ int run_and_report(const Run& run, const std::string& title) {
       std::fprintf(stderr, "%s: %s\n", title.c_str(), problem.c_str());
     }
     return bus::kExitInput;
-  } catch (const io::FileError& error) {
-    std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
-    return bus::kExitInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
-    return bus::kExitRuntime;
+    const bool is_of_content = dynamic_cast<const io::FileError*>(&error) != nullptr &&
+                               dynamic_cast<const io::SystemError*>(&error) == nullptr;
+    return is_of_content ? bus::kExitInput : bus::kExitRuntime;
   }
 }
 

@@ -146,6 +146,8 @@ int run_guarded(const std::string& name, const std::function<int()>& body) {
     return body();
   } catch (const io::ConfigError& error) {
     return say(error, kExitInput);
+  } catch (const io::SystemError& error) {
+    return say(error, kExitRuntime);
   } catch (const io::FileError& error) {
     return say(error, kExitInput);
   } catch (const std::exception& error) {

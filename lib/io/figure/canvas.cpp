@@ -111,7 +111,7 @@ std::string png_of(cairo_surface_t* surface) {
   std::string file(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
   png_alloc_size_t size = file.size();
   if (!png_image_write_to_memory(&image, file.data(), &size, 0, rgb.data(), 0, nullptr)) {
-    throw FileError(std::string("libpng: ") + image.message);
+    throw SystemError(std::string("libpng: ") + image.message);
   }
   file.resize(size);
   return file;
@@ -250,7 +250,7 @@ struct Canvas::Page {
     cairo_status_t status = cairo_status(cairo);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface);
     if (status != CAIRO_STATUS_SUCCESS) {
-      throw FileError(std::string("a figure cannot be drawn: ") + cairo_status_to_string(status));
+      throw SystemError(std::string("a figure cannot be drawn: ") + cairo_status_to_string(status));
     }
   }
 

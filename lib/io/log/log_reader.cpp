@@ -134,8 +134,8 @@ std::int64_t LogReader::event_number_at(std::uint64_t offset) {
 LogEvent LogReader::event_at(std::uint64_t offset, std::uint64_t size) {
   const auto view = window_.at(offset, static_cast<std::size_t>(size));
   if (view.size < size) {
-    throw FileError(path_ + " cannot be read at offset " + std::to_string(offset) +
-                    "; the disk may be failing, or the file is being written");
+    throw SystemError(path_ + " cannot be read at offset " + std::to_string(offset) +
+                      "; the disk may be failing, or the file is being written");
   }
   const LogEventHeader header = parse_log_event_header(view.bytes);
   const std::uint8_t* channel = view.bytes + LogEventHeader::kBytes;

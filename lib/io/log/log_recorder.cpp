@@ -41,7 +41,7 @@ LogRecorder::LogRecorder(std::string stem, RecordingLimits limits)
     : stem_(std::move(stem)), limits_(limits) {
   const std::filesystem::path folder = std::filesystem::path(stem_).parent_path();
   if (!folder.empty()) make_folder(folder.string());
-  if (!open_next()) throw FileError(problem_);
+  if (!open_next()) throw SystemError(problem_);
   look_at_space();
 }
 

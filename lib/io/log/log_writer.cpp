@@ -23,8 +23,8 @@ struct LogWriter::Impl {
   explicit Impl(const std::string& path) : target(replaceable_path(path)), part(target + ".part") {
     fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0) {
-      throw FileError(path + ": cannot be written (" + std::strerror(errno) +
-                      "); check that its folder exists and you may write there");
+      throw SystemError(path + ": cannot be written (" + std::strerror(errno) +
+                        "); check that its folder exists and you may write there");
     }
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
       ::close(fd);
@@ -33,7 +33,7 @@ struct LogWriter::Impl {
     }
     if (::ftruncate(fd, 0) != 0) {
       ::close(fd);
-      throw FileError(path + ": cannot be written (" + std::strerror(errno) + ")");
+      throw SystemError(path + ": cannot be written (" + std::strerror(errno) + ")");
     }
     buffer.reserve(2 * kBufferBytes);
   }

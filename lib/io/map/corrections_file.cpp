@@ -204,8 +204,8 @@ std::string path_in(const std::string& folder) {
 
 [[noreturn]] void fail(const std::string& path, const char* what) {
   const int error = errno;
-  throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" +
-                  (error == EACCES || error == EROFS ? "; check that you may write there" : ""));
+  throw SystemError(path + ": cannot " + what + " (" + std::strerror(error) + ")" +
+                    (error == EACCES || error == EROFS ? "; check that you may write there" : ""));
 }
 
 /// The whole file; empty if there is none.

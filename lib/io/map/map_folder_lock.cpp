@@ -68,7 +68,7 @@ std::string MapFolderLock::file(const std::string& name) const {
 
 void MapFolderLock::lock() {
   fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd_ < 0) throw FileError(folder_ + ": cannot be read (" + std::strerror(errno) + ")");
+  if (fd_ < 0) throw SystemError(folder_ + ": cannot be read (" + std::strerror(errno) + ")");
   // On a file system without locks, none is used.
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(fd_);

@@ -31,7 +31,7 @@ bool is_kind(char c) { return c == 'C' || c == 'R' || c == 'S' || c == 'T'; }
 RawBytesWriter::RawBytesWriter(const std::string& path)
     : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
   file_ << kRawBytesMagic << std::flush;
-  if (!file_) throw FileError(path_ + ": cannot be written");
+  if (!file_) throw SystemError(path_ + ": cannot be written");
 }
 
 void RawBytesWriter::write(const RawEvent& event) {
@@ -41,7 +41,7 @@ void RawBytesWriter::write(const RawEvent& event) {
   put_big_endian(record, static_cast<std::uint32_t>(event.bytes.size()));
   record += event.bytes;
   file_ << record << std::flush;
-  if (!file_) throw FileError(path_ + ": could not be written; is the disk full?");
+  if (!file_) throw SystemError(path_ + ": could not be written; is the disk full?");
 }
 
 RawBytesReader::RawBytesReader(const std::string& path)

@@ -114,18 +114,17 @@ class OgrFile final : public LayerFile {
  private:
   void require(bool holds) const {
     if (holds && errors_.first().empty()) return;
-    throw FileError(std::string("map") + info_.extension + ": GDAL cannot write it (" +
-                    (errors_.first().empty() ? std::string("no reason given") : errors_.first()) +
-                    "); install GDAL with its " + info_.driver + " driver?");
+    throw SystemError(std::string("map") + info_.extension + ": GDAL cannot write it (" +
+                      (errors_.first().empty() ? std::string("no reason given") : errors_.first()) +
+                      "); install GDAL with its " + info_.driver + " driver?");
   }
   OGRPoint point_of(const Eigen::Vector2d& p_map) const {
-    if (!georeference_) return OGRPoint(p_map.x(), p_map.y());
-    if (info_.is_on_earth) {
+    if (georeference_ && info_.is_on_earth) {
       const geometry::Geodetic place = geometry::geodetic_of(*georeference_, p_map);
-      return OGRPoint(place.longitude_deg, place.latitude_deg);
+      return OGRPoint(stored_value(place.longitude_deg), stored_value(place.latitude_deg));
     }
-    const Eigen::Vector2d p = geometry::utm_of(*georeference_, p_map);
-    return OGRPoint(p.x(), p.y());
+    const Eigen::Vector2d p = georeference_ ? geometry::utm_of(*georeference_, p_map) : p_map;
+    return OGRPoint(stored_m(p.x()), stored_m(p.y()));
   }
   void set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const;
   void add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry);
@@ -212,7 +211,7 @@ void OgrFile::set_values(const std::vector<GeoValue>& values, OGRFeature& featur
         feature.SetField(field, static_cast<GIntBig>(values[i].integer));
         break;
       case GeoValue::Kind::kReal:
-        feature.SetField(field, values[i].real);
+        feature.SetField(field, stored_value(values[i].real));
         break;
       case GeoValue::Kind::kText:
         feature.SetField(field, values[i].text.c_str());

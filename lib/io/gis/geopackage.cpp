@@ -180,6 +180,10 @@ std::vector<std::uint8_t> geometry_blob(GeoGeometry geometry, int system_id,
 
 }  // namespace
 
+double stored_m(double coordinate_m) { return std::round(coordinate_m * 1e4) / 1e4; }
+
+double stored_value(double value) { return std::round(value * 1e9) / 1e9; }
+
 void LayerFile::begin_layer(const GeoLayer& layer) {
   is_open_ = chosen_.empty() ? !has_one_layer_ || written_.empty() : chosen_ == layer.name;
   if (!is_open_) {
@@ -237,8 +241,8 @@ struct GeoPackage::Impl {
 
   void require(bool holds) const {
     if (holds) return;
-    throw FileError(std::string("map.gpkg: SQLite cannot write it (") +
-                    (database == nullptr ? "out of memory" : sqlite3_errmsg(database)) + ")");
+    throw SystemError(std::string("map.gpkg: SQLite cannot write it (") +
+                      (database == nullptr ? "out of memory" : sqlite3_errmsg(database)) + ")");
   }
   void run(const std::string& sql) {
     require(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
@@ -257,7 +261,7 @@ struct GeoPackage::Impl {
         require(sqlite3_bind_int64(statement, column, value.integer) == SQLITE_OK);
         break;
       case GeoValue::Kind::kReal:
-        require(sqlite3_bind_double(statement, column, value.real) == SQLITE_OK);
+        require(sqlite3_bind_double(statement, column, stored_value(value.real)) == SQLITE_OK);
         break;
       case GeoValue::Kind::kText:
         require(sqlite3_bind_text(statement, column, value.text.c_str(),
@@ -280,7 +284,8 @@ struct GeoPackage::Impl {
     require(result == SQLITE_DONE);
   }
   Eigen::Vector2d stored(const Eigen::Vector2d& p_map) const {
-    return georeference ? geometry::utm_of(*georeference, p_map) : p_map;
+    const Eigen::Vector2d p = georeference ? geometry::utm_of(*georeference, p_map) : p_map;
+    return {stored_m(p.x()), stored_m(p.y())};
   }
   void close_layer();
   void write_styles();

@@ -37,6 +37,14 @@ struct GeoValue {
   std::string text;
 };
 
+/// A coordinate in metres as files store it: to a tenth of a millimetre, as map.csv does. Rounded,
+/// because the last bits of sines and cosines depend on the processor.
+double stored_m(double coordinate_m);
+
+/// Any other number as files store it, likewise; a billionth of a degree is a tenth of a
+/// millimetre.
+double stored_value(double value);
+
 /// Definition of a layer.
 struct GeoLayer {
   const char* name;

@@ -110,8 +110,10 @@ void add_merge(CLI::App& app, Run& run) {
             ->expected(1, 1000);
         add_required(command, "--out", o.out_folder, "DIR",
                      "folder for the map; created if it does not exist");
-        add_value(command, "--previous", o.previous_path, "FOLDER|CSV",
-                  "map of an earlier date; landmarks found again keep their id and number");
+        add_value(command, "--previous", o.previous_paths, "FOLDER|CSV",
+                  "map of an earlier date; landmarks found again keep their id and number; may be "
+                  "repeated, the newest first: the first that a map fits")
+            ->allow_extra_args(false);
         command.add_flag(
             "--leave-out", o.leave_out,
             "leave out maps that cannot be aligned with the others, and list them in left_out.csv");

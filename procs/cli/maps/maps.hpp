@@ -51,7 +51,8 @@ struct CompareOptions {
 /// `orchard merge MAP_A MAP_B ... --out DIR`.
 struct MergeOptions {
   std::vector<std::string> map_paths;  ///< map folders or map.csv; the first gives frame and ids
-  std::string previous_path;           ///< earlier map whose ids and numbers are kept; empty: none
+  /// Earlier maps, the newest first; ids and numbers are those of the first that a map fits.
+  std::vector<std::string> previous_paths;
   bool leave_out = false;  ///< leave out maps that cannot be registered instead of failing
   std::string out_folder;
   std::string config_path;  ///< for mapper.rows; empty: its defaults
@@ -64,10 +65,10 @@ struct MergeOptions {
 /// that cannot be read or whose registration fails or is ambiguous, and before an input would be
 /// overwritten; then writes nothing.
 ///
-/// With leave_out the merge starts from the first map that can be registered to the previous one;
-/// without a previous one, from the map to which most others can be registered. left_out.csv lists
-/// the maps left out and the reasons. Without a majority for any map it is unknown which maps show
-/// the orchard, and all are rejected.
+/// With leave_out the merge starts from the first map that can be registered to a previous one;
+/// where none can, from the map to which most others can be registered, and all ids are new.
+/// left_out.csv lists the maps left out, the previous maps that none fits, and the reasons. Without
+/// a majority for any map it is unknown which maps show the orchard, and all are rejected.
 [[gnu::weak]] int run_merge(const MergeOptions& options);
 
 /// `orchard edit KIND MAP ...`.

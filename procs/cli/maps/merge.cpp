@@ -126,29 +126,51 @@ Whole lay_all(const std::vector<io::StoredMap>& maps, std::size_t first,
   return whole;
 }
 
-/// The first map that can be registered to the previous one. Throws io::FileError if none can.
-std::size_t first_on(const io::StoredMap& previous, const std::vector<io::StoredMap>& maps,
-                     const MergeOptions& options) {
-  const mapping::DetectionMap view = view_of(previous, 0.0);
-  std::string reason;
-  for (std::size_t k = 0; k < maps.size(); ++k) {
-    try {
-      register_map(previous, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
-      return k;
-    } catch (const io::FileError& error) {
-      if (reason.empty()) reason = error.what();
+/// What the earlier maps tell of the new ones.
+struct Earlier {
+  std::optional<io::CorrectedMapFolder> map;  ///< the newest that a new map fits
+  std::string path;                           ///< of that map
+  std::size_t first = 0;                      ///< the new map that fits it
+  std::int32_t next_id = 0;                   ///< above every id of all that were read
+  std::vector<std::pair<std::string, std::string>> refused;  ///< paths of the others, reasons
+};
+
+/// Looks for the newest earlier map that one of the maps fits; unless maps may be left out, it must
+/// be the newest of all.
+Earlier find_earlier(const std::vector<io::StoredMap>& maps, const MergeOptions& options) {
+  Earlier earlier;
+  for (const std::string& path : options.previous_paths) {
+    io::CorrectedMapFolder previous = io::read_corrected_map(path);
+    require_other_folder(options.out_folder, {path});
+    require_corrections_of(options.out_folder, previous);
+    earlier.next_id =
+        std::max({earlier.next_id, previous.mapped.next_id, previous.corrected.next_id});
+    const mapping::DetectionMap view = view_of(previous.mapped, 0.0);
+    std::vector<std::string> reasons;
+    for (std::size_t k = 0; k < maps.size() && !earlier.map; ++k) {
+      try {
+        if (options.leave_out) {
+          register_map(previous.mapped, view, maps[k], view_of(maps[k], options.reach_m),
+                       options.alignment);
+        }
+        earlier.first = k, earlier.path = path;
+        earlier.map = std::move(previous);
+      } catch (const io::FileError& error) {
+        reasons.push_back(error.what());
+      }
     }
+    if (earlier.map) break;
+    for (std::string& reason : reasons) earlier.refused.emplace_back(path, std::move(reason));
   }
-  throw io::FileError(reason);
+  return earlier;
 }
 
-/// The merge that leaves out the fewest maps. Throws io::FileError if it leaves out at least half
-/// of them.
+/// The merge that leaves out the fewest maps. Throws io::FileError with all reasons if it leaves
+/// out at least half of them.
 Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& options,
                     io::ProgressBar& bar) {
   std::optional<Whole> best;
-  std::vector<bool> is_in(maps.size(),
-                          false);  // same merge again
+  std::vector<bool> is_in(maps.size(), false);  // same merge again
   for (std::size_t first = 0; first < maps.size(); ++first) {
     if (is_in[first]) continue;
     Whole whole = lay_all(maps, first, options, bar);
@@ -158,19 +180,37 @@ Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& 
     if (!best || whole.left_out.size() < best->left_out.size()) best = std::move(whole);
   }
   if (2 * best->left_out.size() >= maps.size()) {
+    std::string reasons;
+    for (const LeftOut& out : best->left_out) reasons += out.reason + "; ";
     throw io::FileError(
-        best->left_out.front().reason +
-        "; most maps do not fit each other, so it is unknown which ones are of this orchard");
+        reasons +
+        "most maps do not fit each other, so it is unknown which ones are of this orchard");
   }
   return std::move(*best);
 }
 
-Whole lay(const std::vector<io::StoredMap>& maps, const io::StoredMap* previous,
+Whole lay(const std::vector<io::StoredMap>& maps, const Earlier& earlier,
           const MergeOptions& options) {
   io::ProgressBar bar("merging");
-  if (!options.leave_out) return lay_all(maps, 0, options, bar);
-  if (previous) return lay_all(maps, first_on(*previous, maps, options), options, bar);
-  return largest_whole(maps, options, bar);
+  if (options.leave_out && !earlier.map) return largest_whole(maps, options, bar);
+  return lay_all(maps, options.leave_out ? earlier.first : 0, options, bar);
+}
+
+/// Takes ids, numbers and corrections from the earlier map, if there is one that the merged map
+/// fits.
+EarlierIdentity join(Earlier& earlier, const MergeOptions& options, io::MapFolderContent& content) {
+  if (earlier.map) {
+    try {
+      return transfer_identity(*earlier.map, options.alignment, content);
+    } catch (const io::FileError& error) {
+      if (!options.leave_out) throw;
+      earlier.refused.emplace_back(earlier.path, error.what());
+      earlier.map.reset();
+    }
+  }
+  for (mapping::Landmark& l : content.landmarks) l.id += earlier.next_id;
+  content.next_id += earlier.next_id;
+  return {};
 }
 
 /// Lines of ids.csv with the current ids; `before`: the landmarks with the ids at the time of
@@ -212,14 +252,8 @@ int run_merge(const MergeOptions& options) {
   std::vector<io::StoredMap> maps;
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);
-  std::optional<io::CorrectedMapFolder> previous;
-  if (!options.previous_path.empty()) {
-    previous = io::read_corrected_map(options.previous_path);
-    require_other_folder(options.out_folder, {options.previous_path});
-    require_corrections_of(options.out_folder, *previous);
-  }
-
-  const Whole laid = lay(maps, previous ? &previous->mapped : nullptr, options);
+  Earlier earlier = find_earlier(maps, options);
+  const Whole laid = lay(maps, earlier, options);
   const io::StoredMap& whole = laid.map;
   const mapping::MergedMap& merged = laid.merged;
   for (const std::string& sentence : laid.laid) std::printf("%s\n", sentence.c_str());
@@ -244,11 +278,17 @@ int run_merge(const MergeOptions& options) {
                                        "with `orchard edit apply MAP` and merge that");
     std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  EarlierIdentity kept;
   mapping::number_merged(rows, content.landmarks);
-  if (previous) {
-    kept = transfer_identity(*previous, options.alignment, content);
-    std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
+  const EarlierIdentity kept = join(earlier, options, content);
+  for (const auto& [path, reason] : earlier.refused) {
+    left_out_csv += quoted(path) + "," + quoted(reason) + "\n";
+  }
+  if (!options.previous_paths.empty() && !earlier.map) {
+    content.summary.warnings.push_back("no map fits one of an earlier date, so all ids are new");
+    std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
+  }
+  if (earlier.map) {
+    std::printf("ids of %s: %d kept, %d gone, %d new\n", earlier.path.c_str(),
                 kept.numbers.num_found, kept.numbers.num_gone, kept.numbers.num_new);
     const std::string told = account_corrections("orchard merge", kept.corrections, content);
     if (!told.empty()) std::printf("corrections by hand: %s\n", told.c_str());

@@ -142,6 +142,26 @@ TEST_F(CompareCommand, LeavesOutWhatIsOfAnotherOrchardAndKeepsIds) {
   EXPECT_THAT(ids, HasSubstr("\n3,4,4\n")) << "which the first robot had not seen";
   EXPECT_THAT(ids, ::testing::Not(HasSubstr("\n1,"))) << ids;
 
+  // None fits the earlier map: all ids are new, and why is told. A later date carries on the ids of
+  // the latest date that it fits.
+  const Result alone =
+      orchard({"merge", other, "--previous", april, "--leave-out", "--out", path("alone")});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_THAT(alone.err, HasSubstr("so all ids are new"));
+  EXPECT_THAT(read_file(path("alone/ids.csv")), HasSubstr("\n1,1,42\n")) << "41 is free in april";
+  EXPECT_THAT(read_file(path("alone/left_out.csv")), HasSubstr("april.csv\",\""));
+  const Result june = orchard({"merge", may_1, may_2, "--previous", path("alone"), "--previous",
+                               april, "--leave-out", "--out", path("june")});
+  ASSERT_EQ(june.exit_code, 0) << june.err;
+  EXPECT_THAT(june.out, HasSubstr("april.csv: 40 kept, 0 gone, 0 new"));
+  const std::string refused = read_file(path("june/left_out.csv"));
+  EXPECT_THAT(refused, HasSubstr("alone\",\""));
+  EXPECT_THAT(refused, ::testing::Not(HasSubstr("april.csv\",\"")));
+  const Result misfits = orchard({"merge", other, map_csv("third.csv", forty_trees(-1, 900.0)),
+                                  "--previous", april, "--leave-out", "--out", path("misfits")});
+  EXPECT_EQ(misfits.exit_code, 3);
+  EXPECT_THAT(misfits.err, HasSubstr("it is unknown which"));
+
   // One against one: nobody can tell which is of the orchard.
   const Result two = orchard({"merge", other, may_1, "--leave-out", "--out", path("two")});
   EXPECT_EQ(two.exit_code, 3);

@@ -1,59 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "farm/cost_fit.hpp"
 
-#include <Eigen/Dense>
-#include <limits>
+#include <algorithm>
 
 namespace orchard::farm {
 namespace {
 
-/// Non-negative least squares by trying every subset of columns, of which there are at most eight.
-Eigen::VectorXd non_negative(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
-  const auto num = static_cast<unsigned>(columns.cols());
-  Eigen::VectorXd best = Eigen::VectorXd::Zero(num);
-  double least = std::numeric_limits<double>::max();
-  for (unsigned set = 1; set < (1U << num); ++set) {
-    std::vector<Eigen::Index> in;
-    for (unsigned c = 0; c < num; ++c) {
-      if ((set >> c & 1U) != 0) in.push_back(static_cast<Eigen::Index>(c));
-    }
-    const Eigen::MatrixXd some = columns(Eigen::all, in);
-    const Eigen::VectorXd x = some.colPivHouseholderQr().solve(values);
-    if (!x.allFinite() || x.minCoeff() < 0.0) continue;
-    const double error = (some * x - values).squaredNorm();
-    if (error >= least) continue;
-    least = error;
-    best.setZero();
-    for (std::size_t i = 0; i < in.size(); ++i) best[in[i]] = x[static_cast<Eigen::Index>(i)];
+/// The least-squares line; where a coefficient would be negative, the best one without it.
+CostLine line_of(const std::vector<CostSample>& samples, double CostSample::*cost) {
+  const auto num = static_cast<double>(samples.size());
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (const CostSample& s : samples) {
+    x += s.log_mb, y += s.*cost;
+    xx += s.log_mb * s.log_mb, xy += s.log_mb * s.*cost;
   }
-  return best;
+  const double determinant = num * xx - x * x;
+  const double slope = determinant > 0.0 ? (num * xy - x * y) / determinant : 0.0;
+  if (slope <= 0.0) return {y / num, 0.0};
+  const double at_least = (y - slope * x) / num;
+  return at_least >= 0.0 ? CostLine{at_least, slope} : CostLine{0.0, xy / xx};
 }
 
 }  // namespace
 
 CostFit fit_costs(const std::vector<CostSample>& samples) {
   // Before the first map: three times the cost of a map of the simulated orchard.
-  if (samples.empty())
-    return {{1.0, 6.0, 0.01, 0.0}, {100, 64, 0.07, 0}, {3, 0, 0, 0.1}, {300, 0, 0, 2}};
-  const auto num = static_cast<Eigen::Index>(samples.size());
-  Eigen::MatrixXd by_way(num, 3), by_log(num, 2);
-  Eigen::VectorXd time_s(num), memory_mb(num);
-  for (Eigen::Index i = 0; i < num; ++i) {
-    const CostSample& s = samples[static_cast<std::size_t>(i)];
-    by_way.row(i) << 1.0, s.way_km, s.num_trees;
-    by_log.row(i) << 1.0, s.log_mb;
-    time_s[i] = s.processor_s;
-    memory_mb[i] = s.memory_mb;
-  }
-  const auto way_line = [&](const Eigen::VectorXd& values) {
-    const Eigen::VectorXd x = non_negative(by_way, values);
-    return CostLine{x[0], x[1], x[2], 0.0};
-  };
-  const auto log_line = [&](const Eigen::VectorXd& values) {
-    const Eigen::VectorXd x = non_negative(by_log, values);
-    return CostLine{x[0], 0.0, 0.0, x[1]};
-  };
-  return {way_line(time_s), way_line(memory_mb), log_line(time_s), log_line(memory_mb)};
+  if (samples.empty()) return {{3.0, 0.1}, {300.0, 2.0}};
+  return {line_of(samples, &CostSample::processor_s), line_of(samples, &CostSample::memory_mb)};
 }
 
 }  // namespace orchard::farm

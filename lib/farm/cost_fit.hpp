@@ -5,29 +5,25 @@
 
 namespace orchard::farm {
 
-/// Measured cost of one step.
+/// Measured cost of one map.
 struct CostSample {
   double processor_s = 0.0;
   double memory_mb = 0.0;  ///< peak
-  double way_km = 0.0;
-  double num_trees = 0.0;
   double log_mb = 0.0;
 };
 
 /// Linear cost model with non-negative coefficients.
 struct CostLine {
   double at_least = 0.0;
-  double per_km = 0.0;
-  double per_tree = 0.0;
-  double per_mb = 0.0;  ///< of log size
+  double per_mb = 0.0;  ///< of log size, which is known in advance
+
+  double of(double log_mb) const { return at_least + per_mb * log_mb; }
 };
 
 /// Cost model of a map, fitted to the costs of earlier maps.
 struct CostFit {
-  CostLine time_s;     ///< by distance and number of trees, for display
-  CostLine memory_mb;  ///< by distance and number of trees, for display
-  CostLine ask_s;      ///< by log size, which is known in advance, for the scheduler
-  CostLine ask_mb;
+  CostLine time_s;
+  CostLine memory_mb;
 };
 
 /// Fits the model by non-negative least squares. Without samples it returns the cost of simulated

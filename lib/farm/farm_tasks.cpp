@@ -54,65 +54,70 @@ class TaskList {
 
 using DrivesOfDate = std::vector<Drive>;
 
-void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const EditsOf& edits_of,
-              std::vector<std::string>& dates, TaskList& tasks) {
-  FarmTask date;
-  date.kind = TaskKind::kDate;
-  date.earlier = dates;
-  date.drives = drives;
-  for (const Drive& drive : drives) {
-    const std::string check =
-        tasks.add({TaskKind::kCheck,
-                   name_of(TaskKind::kCheck, {settings.version, drive.log_digest}),
-                   {},
-                   {},
-                   {drive}});
-    const std::string map =
-        tasks.add({TaskKind::kMap,
-                   name_of(TaskKind::kMap, {settings.version, drive.log_digest, drive.rig_digest}),
-                   {check},
-                   {},
-                   {drive}});
-    // A log that is in the folder twice counts as one drive.
-    if (std::find(date.needs.begin(), date.needs.end(), map) == date.needs.end()) {
-      date.needs.push_back(map);
+/// The steps of one block, date by date.
+class BlockTasks {
+ public:
+  BlockTasks(const FarmSettings& settings, const EditsOf& edits_of, TaskList& tasks)
+      : settings_(settings), edits_of_(edits_of), tasks_(tasks) {}
+
+  void add_date(const DrivesOfDate& drives) {
+    FarmTask date = begin(TaskKind::kDate, drives);
+    for (const Drive& drive : drives) add_map(drive, date.needs);
+    for (const Drive& drive : drives) max_offset_m_ = std::max(max_offset_m_, drive.max_offset_m);
+    date.max_offset_m = settings_.max_offset_m.value_or(max_offset_m_);
+    std::vector<std::string> causes{settings_.any_place ? "any place" : "one frame",
+                                    shortest_text(date.max_offset_m),
+                                    dates_.empty() ? "" : dates_.back()};
+    causes.insert(causes.end(), date.needs.begin(), date.needs.end());
+    if (!dates_.empty()) causes.push_back("edits " + edits(dates_.back()));
+    const std::string name = add(date, causes);
+    const std::vector<std::string> causes_of_page{name, edits(name)};
+    if (!dates_.empty()) {
+      FarmTask changes = begin(TaskKind::kChanges, drives);
+      changes.needs = {name};
+      changes.max_offset_m = date.max_offset_m;
+      add(changes, causes_of_page);
     }
+    for (const TaskKind kind : {TaskKind::kReport, TaskKind::kPublish}) {
+      if (kind == TaskKind::kPublish && settings_.publish_to.empty()) continue;
+      FarmTask page{kind, {}, {name}, {}, drives};
+      add(page, {name, edits(name), drives.front().block, drives.front().date,
+                 kind == TaskKind::kPublish ? settings_.publish_to : std::string()});
+    }
+    dates_.push_back(name);
   }
-  std::vector<std::string> causes{settings.version, settings.any_place ? "any place" : "one frame",
-                                  shortest_text(settings.max_offset_m),
-                                  dates.empty() ? "" : dates.back()};
-  causes.insert(causes.end(), date.needs.begin(), date.needs.end());
-  if (edits_of && !dates.empty()) {
-    const std::string edits = edits_of(dates.back());
-    if (!edits.empty()) causes.push_back("edits " + edits);
+
+ private:
+  /// A step that also reads the latest of the previous dates that has a map.
+  FarmTask begin(TaskKind kind, const DrivesOfDate& drives) const {
+    return {kind, {}, {}, dates_, drives};
   }
-  date.name = name_of(TaskKind::kDate, causes);
-  const std::string name = tasks.add(date);
-  if (!dates.empty()) {
-    tasks.add({TaskKind::kChanges,
-               name_of(TaskKind::kChanges, {settings.version, name}),
-               {name},
-               dates,
-               drives});
+
+  std::string edits(const std::string& date) const { return edits_of_ ? edits_of_(date) : ""; }
+
+  /// A log that is in the folder twice counts as one drive.
+  void add_map(const Drive& drive, std::vector<std::string>& needs) {
+    const std::string map =
+        add({TaskKind::kMap, {}, {}, {}, {drive}}, {drive.log_digest, drive.rig_digest});
+    if (std::find(needs.begin(), needs.end(), map) == needs.end()) needs.push_back(map);
   }
-  FarmTask report;
-  report.kind = TaskKind::kReport;
-  const Drive& any = drives.front();
-  report.name = name_of(TaskKind::kReport, {settings.version, name, any.block, any.date,
-                                            edits_of ? edits_of(name) : std::string()});
-  report.needs = {name};
-  report.drives = drives;
-  if (!settings.publish_to.empty()) {
-    FarmTask publish = report;
-    publish.kind = TaskKind::kPublish;
-    publish.name = name_of(TaskKind::kPublish,
-                           {settings.version, name, any.block, any.date,
-                            edits_of ? edits_of(name) : std::string(), settings.publish_to});
-    tasks.add(std::move(publish));
+
+  const std::string& add(FarmTask task, std::vector<std::string> causes) {
+    causes.insert(causes.begin(), settings_.version);
+    task.name = name_of(task.kind, causes);
+    for (const std::string& date : task.earlier) task.edits[date] = edits(date);
+    if (task.kind != TaskKind::kDate) {
+      for (const std::string& date : task.needs) task.edits[date] = edits(date);
+    }
+    return tasks_.add(std::move(task));
   }
-  tasks.add(std::move(report));
-  dates.push_back(name);
-}
+
+  const FarmSettings& settings_;
+  const EditsOf& edits_of_;
+  TaskList& tasks_;
+  std::vector<std::string> dates_;
+  double max_offset_m_ = 0.0;  ///< of all drives up to now
+};
 
 }  // namespace
 
@@ -144,8 +149,6 @@ std::string sha256_hex(std::string_view text) {
 
 const char* kind_text(TaskKind kind) {
   switch (kind) {
-    case TaskKind::kCheck:
-      return "check";
     case TaskKind::kMap:
       return "map";
     case TaskKind::kDate:
@@ -169,10 +172,8 @@ std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& se
   for (Drive& drive : drives) blocks[drive.block][drive.date].push_back(std::move(drive));
   TaskList tasks;
   for (const auto& [block, by_date] : blocks) {
-    std::vector<std::string> dates;
-    for (const auto& [date, drives_of_date] : by_date) {
-      add_date(drives_of_date, settings, edits_of, dates, tasks);
-    }
+    BlockTasks of_block(settings, edits_of, tasks);
+    for (const auto& [date, drives_of_date] : by_date) of_block.add_date(drives_of_date);
   }
   return tasks.take();
 }

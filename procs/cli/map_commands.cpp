@@ -494,7 +494,7 @@ void add_farm(CLI::App& app, Run& run) {
       *farm, run, "init", "Create the folder of a farm, with a Snakefile",
       "  orchard farm init out/farm\n"
       "  orchard farm init out/farm --renew     (updates Snakefile and profiles)\n"
-      "Output: farm.yaml, a Snakefile with the steps (check, map, merge, compare), profiles for\n"
+      "Output: farm.yaml, a Snakefile with the steps (map, merge, compare, report), profiles for\n"
       "clusters, and the folders logs/ and rigs/.\n",
       run_farm_init, [](CLI::App& command, FarmInitOptions& o) {
         add_folder(command, o.folder);
@@ -514,6 +514,7 @@ void add_farm(CLI::App& app, Run& run) {
         add_required(command, "--date", o.date, "YYYY-MM-DD", "date of the drive");
         add_required(command, "--robot", o.robot, "NAME",
                      "name of the robot; its rig is rigs/NAME.yaml [the rig in the log]");
+        command.add_flag("--link", o.link, "link to the logs instead of copying them");
       });
   add_command<FarmRunOptions>(
       *farm, run, "run", "Run all steps without a result yet, on this machine or on a cluster",
@@ -537,6 +538,7 @@ void add_farm(CLI::App& app, Run& run) {
             ->check(CLI::PositiveNumber);
         command.add_flag("--keep-version", o.keep_version,
                          "keep the results of an older program or Snakefile, and add to them");
+        command.add_flag("--dry-run", o.dry_run, "print the steps that are to be made");
       });
   add_command<FarmStatusOptions>(
       *farm, run, "status",
@@ -547,10 +549,30 @@ void add_farm(CLI::App& app, Run& run) {
         add_folder(command, o.folder);
         command.add_flag("--json", o.json, "print JSON, in seconds and MB");
       });
-  add_command<FarmPublishOptions>(
+  add_command<FarmOptions>(
       *farm, run, "publish", "Link finished results as maps/BLOCK/DATE and changes/BLOCK/DATE",
       "  orchard farm publish out/farm\n", run_farm_publish,
-      [](CLI::App& command, FarmPublishOptions& o) { add_folder(command, o.folder); });
+      [](CLI::App& command, FarmOptions& o) { add_folder(command, o.folder); });
+  add_command<FarmOptions>(
+      *farm, run, "verify",
+      "Find results that were altered or deleted; exit code 3 if there are any",
+      "  orchard farm verify out/farm\n", run_farm_verify,
+      [](CLI::App& command, FarmOptions& o) { add_folder(command, o.folder); });
+  add_command<FarmRetryOptions>(
+      *farm, run, "retry", "Remove what was set aside, so that the next run tries it again",
+      "  orchard farm retry out/farm\n"
+      "  orchard farm retry out/farm north/2026-05-04/mule/drive\n"
+      "What was made from it is removed, too.\n",
+      run_farm_retry, [](CLI::App& command, FarmRetryOptions& o) {
+        add_folder(command, o.folder);
+        add_value(command, "name", o.name, "NAME",
+                  "a step as `farm status` names it, or a result [all that was set aside]");
+      });
+  add_command<FarmOptions>(
+      *farm, run, "clean", "Remove results that no step needs, and what killed steps left",
+      "  orchard farm clean out/farm\n"
+      "Results that are published or corrected by hand are kept. No job may run on a cluster.\n",
+      run_farm_clean, [](CLI::App& command, FarmOptions& o) { add_folder(command, o.folder); });
   add_command<FarmStepOptions>(
       *farm, run, "step", "Run one step of a farm (called by the Snakefile)",
       "  orchard farm step map-0123 -- orchard map logs/b/d/r/drive.lcm --quiet --out @out\n"
@@ -561,8 +583,6 @@ void add_farm(CLI::App& app, Run& run) {
                            "command to run; the word @out in it becomes the folder of the result");
         command.add_option("--set-aside", o.set_aside,
                            "store this reason instead of running a command");
-        command.add_flag("--keep-output", o.keep_output,
-                         "store the output of the command as the result, for any exit code");
       });
 }
 

@@ -75,4 +75,4 @@ fi
 sed 's/rate_hz: 6.8/rate_hz: 7.3/' "$work/rig_1_2.yaml" >"$work/rig_1_late.yaml"
 drive 2 1 late "$work/more.lcm"
 add "$work/more.lcm" 2 1 late
-echo "one more log of a block's first date: $("$orchard" farm run "$farm" --cores 2 | head -n 1) of $(num_made "$farm") (its check and map, $dates dates and their reports, $((dates - 1)) comparisons)"
+echo "one more log of a block's first date: $("$orchard" farm run "$farm" --cores 2 | head -n 1) of $(num_made "$farm") (its map, $dates dates and their reports, $((dates - 1)) comparisons)"

@@ -116,7 +116,8 @@ void add_warnings(ReplayReport& report, const SequenceGate& gate) {
     for (const io::LogGap& gap : report.gaps) num_bytes += gap.size;
     report.warnings.push_back("the log is damaged: " + std::to_string(num_bytes) + " bytes in " +
                               std::to_string(report.gaps.size()) +
-                              " places could not be read, the first at offset " +
+                              " places could not be read, the first in " +
+                              io::LogPaths(report.gaps.front().log).names() + " at offset " +
                               std::to_string(report.gaps.front().offset));
   }
   for (std::size_t i = 0; i < kNumReasons; ++i) {

@@ -6,6 +6,11 @@
 
 namespace orchard::cli {
 
+/// Options of `orchard farm publish DIR`, `verify` and `clean`.
+struct FarmOptions {
+  std::string folder;
+};
+
 /// Options of `orchard farm init DIR`.
 struct FarmInitOptions {
   std::string folder;
@@ -17,6 +22,7 @@ struct FarmAddOptions {
   std::string folder;
   std::vector<std::string> log_paths;
   std::string block, date, robot;
+  bool link = false;  ///< link to the logs instead of copying them
 };
 
 /// Creates a farm's folder with its Snakefile and profiles; existing files are kept. Throws
@@ -41,11 +47,7 @@ struct FarmRunOptions {
   std::string profile = "local";  ///< folder in profiles/
   int cores = 0;                  ///< 0: all cores of this machine, or the profile's number
   bool keep_version = false;      ///< results of other programs or another Snakefile stay valid
-};
-
-/// Options of `orchard farm publish DIR`.
-struct FarmPublishOptions {
-  std::string folder;
+  bool dry_run = false;           ///< print the steps to make, and make none
 };
 
 /// Computes all missing results with Snakemake, then prints the status. Returns exit code 1 when a
@@ -54,7 +56,25 @@ struct FarmPublishOptions {
 
 /// Atomically replaces the links in maps/, changes/ and reports/ by links to the newest results.
 /// Throws io::FileError.
-[[gnu::weak]] int run_farm_publish(const FarmPublishOptions& options);
+[[gnu::weak]] int run_farm_publish(const FarmOptions& options);
+
+/// Prints results whose files were altered or deleted since they were made; then returns exit code
+/// 3. Throws io::FileError.
+[[gnu::weak]] int run_farm_verify(const FarmOptions& options);
+
+/// Options of `orchard farm retry DIR [NAME]`.
+struct FarmRetryOptions {
+  std::string folder;
+  std::string name;  ///< of a result, or "BLOCK/DATE/ROBOT/NAME"; empty: all that was set aside
+};
+
+/// Removes results and all that was made from them, so that the next run makes them again. Throws
+/// io::FileError, before anything is removed, where corrections by hand would be lost.
+[[gnu::weak]] int run_farm_retry(const FarmRetryOptions& options);
+
+/// Removes results that no step of the farm needs and no link names, and what killed steps left, of
+/// all machines. Throws io::FileError.
+[[gnu::weak]] int run_farm_clean(const FarmOptions& options);
 
 /// Options of `orchard farm status DIR`.
 struct FarmStatusOptions {
@@ -72,14 +92,14 @@ struct FarmStepOptions {
   std::string name;                  ///< name of the result: results/NAME
   std::vector<std::string> command;  ///< "@out" in it stands for the output folder
   std::string set_aside;             ///< without a command: the reason why there is no result
-  bool keep_output = false;          ///< the output is the result; exit code 3 counts as good
 };
 
 /// Runs a command that computes a result in a temporary folder, and renames the folder when the
-/// command has ended. A result is therefore complete or missing, even after a kill. Exit code 3
-/// (bad input) sets the result aside with the command's message; so does a crash, because it
-/// depends on the input and would recur. Any other failure gives no result and exit code 1. Throws
-/// io::FileError.
+/// command has ended. A result is therefore complete or missing, even after a kill, and a function
+/// of the inputs that its name stands for: they are compared with their digests before and after.
+/// Exit code 3 (bad input) sets the result aside with the command's message; so does a crash, which
+/// would recur, unless a memory limit or a file that cannot be mapped may be its cause. Any other
+/// failure, and inputs that have changed, give no result and exit code 1. Throws io::FileError.
 [[gnu::weak]] int run_farm_step(const FarmStepOptions& options);
 
 }  // namespace orchard::cli

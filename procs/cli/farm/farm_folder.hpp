@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,9 @@ namespace orchard::cli {
 /// State of a finished step.
 struct TaskState {
   bool is_good = false;
-  std::string reason;  ///< why it was set aside; empty if it is good
+  std::string reason;                        ///< why it was set aside; empty if it is good
+  std::string corrections;                   ///< corrections_line() when it was made
+  std::map<std::string, std::string> files;  ///< of the result, with their SHA-256
 };
 
 /// The user's files in a farm's folder: logs, rigs, settings.
@@ -21,6 +24,7 @@ struct FarmContent {
   std::vector<farm::Drive> drives;
   farm::FarmSettings settings;
   std::vector<std::string> notes;  ///< files below logs/ that are no drives, one sentence each
+  std::map<std::string, std::string> rig_copies;  ///< by the path that the steps read
 };
 
 /// The folder of a farm: logs/BLOCK/DATE/ROBOT/NAME.lcm (pieces: NAME-000.lcm ... or NAME.lcm.00
@@ -34,10 +38,10 @@ class FarmFolder {
   const std::string& root() const { return root_; }
   std::string path(const std::string& inside) const { return root_ + "/" + inside; }
 
-  /// Reads the folder. Digests of unchanged logs (same size and time) are taken from a cache.
-  /// The version is that of the last adopt_programs(), whether or not the programs have changed
-  /// since, which gives a note. What is no drive, such as a name that cannot be used or a date that
-  /// is none, gives a note. Throws io::FileError for an invalid farm.yaml.
+  /// Reads the folder, which needs no write access. Digests of unchanged logs are taken from a
+  /// cache. The version is that of the last adopt_programs(), whether or not the programs have
+  /// changed since, which gives a note. What is no drive, such as a name that cannot be used or a
+  /// date that is none, gives a note. Throws io::FileError for an invalid farm.yaml.
   FarmContent read() const;
 
   /// Names results from now on by the programs of this installation and the farm's Snakefile: what
@@ -48,30 +52,79 @@ class FarmFolder {
   /// The steps required for `content`. Corrections by hand are inputs of the later dates.
   std::vector<farm::FarmTask> tasks_of(const FarmContent& content) const;
 
-  /// corrections_line() of a result if its corrections have changed since it was computed;
-  /// otherwise empty.
+  /// Identifies the corrections of a result if they have changed since it was computed; otherwise
+  /// empty.
   std::string edits_of(const std::string& task) const;
 
-  /// Writes work/tasks.json, the input of the Snakefile.
+  /// Writes the copies of the rigs and work/tasks.json, the input of the Snakefile and the steps.
   void write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
                    const farm::CostFit& costs) const;
 
   /// State of a step; none if it is not finished.
   std::optional<TaskState> state_of(const std::string& task) const;
 
+  /// Throws io::SystemError unless the inputs of a step are those that its name stands for: files,
+  /// earlier results, corrections and programs.
+  void require_inputs(const std::string& task) const;
+
+  /// What is altered or missing in the files of a result; empty: nothing.
+  std::string damage_of(const std::string& task) const;
+
+  /// Names of results and of what unfinished steps left (".making-...").
+  std::vector<std::string> result_names() const;
+
   /// Cost samples of all good maps, in the order of `tasks`.
   std::vector<farm::CostSample> costs(const std::vector<farm::FarmTask>& tasks) const;
 
- private:
+  /// Digest of the bytes of all that makes a result: the programs that the steps call, and the
+  /// steps.
   std::string programs() const;
+
+ private:
   std::string root_;
 };
+
+/// Allows one run at a time, of `farm run` or of what removes results.
+class RunLock {
+ public:
+  /// Throws io::FileError while another process holds it.
+  explicit RunLock(const FarmFolder& farm);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+/// Removes the temporary folders of steps that were killed on this machine; `of_others`: and those
+/// of steps on other machines, none of which may be running.
+void remove_unfinished(const FarmFolder& farm, bool of_others);
 
 /// Line of a state.txt that identifies the corrections in `folder`, such as those carried over from
 /// the previous date; empty if there are none.
 std::string corrections_line(const std::string& folder);
 
-/// SHA-256 of the concatenated bytes of files. Throws io::FileError.
+/// Begins the line at the end of a step's standard error that says why it failed.
+inline constexpr const char* kFailedWord = "failed: ";
+
+/// The status of a farm as text or JSON.
+std::string status_text(const FarmFolder& farm, const FarmContent& content,
+                        const std::vector<farm::FarmTask>& tasks, bool json);
+
+/// Prints the notes of a farm's content on stderr.
+void print_notes(const char* command, const FarmContent& content);
+
+/// What the user has put into a farm, without version. Throws io::FileError.
+FarmContent read_content(const FarmFolder& farm);
+
+/// Why a name cannot be that of a block, a robot or a log; empty: it can.
+std::string name_problem(const std::string& name);
+
+/// The last line of a file that is not empty; empty: none.
+std::string last_line(const std::string& path);
+
+/// SHA-256 of the concatenated bytes of files. Throws io::SystemError.
 std::string digest_of_files(const std::vector<std::string>& paths);
 
 }  // namespace orchard::cli

@@ -72,10 +72,11 @@ def main():
                     str(num)], (date, num)
         assert run("farm", "run", farm).startswith("0 steps made")
 
-        # a correction of the last date is published, and nothing else but its report is made anew
+        # a correction of the last date is published, and nothing else but its report and changes is
+        # made anew
         tree = server.sql(f"SELECT min(id) FROM orchard.tree WHERE date = '{DATES[1]}'")[0]
         run("edit", "delete", f"{farm}/maps/north/{DATES[1]}", tree, "--who", "ana")
-        assert run("farm", "run", farm).startswith("2 steps made")
+        assert run("farm", "run", farm).startswith("3 steps made")
         assert server.sql(f"SELECT count(*) FROM orchard.tree WHERE id = {tree} AND date = '{DATES[1]}'"
                           ) == ["0"]
     print("PASSED")

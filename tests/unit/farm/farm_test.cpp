@@ -54,7 +54,7 @@ std::map<TaskKind, int> num_new(const std::vector<FarmTask>& before,
 
 TEST(FarmTasks, AreInOrderAndNeedOnlyWhatStandsBefore) {
   const auto tasks = tasks_of(farm_of(3, 3, 2), {});
-  EXPECT_EQ(tasks.size(), 18U + 18U + 9U + 6U + 9U) << "checks, maps, dates, changes, reports";
+  EXPECT_EQ(tasks.size(), 18U + 9U + 6U + 9U) << "maps, dates, changes, reports";
   std::set<std::string> before;
   for (const FarmTask& task : tasks) {
     for (const std::string& need : task.needs) EXPECT_EQ(before.count(need), 1U) << task.name;
@@ -78,7 +78,6 @@ TEST(FarmTasks, OfOneMoreLogAreThoseThatDependOnIt) {
   const auto before = tasks_of(drives, {});
   drives.push_back(drive("block_1", "2026-02", "robot_7", "new"));
   auto num = num_new(before, tasks_of(drives, {}));
-  EXPECT_EQ(num[TaskKind::kCheck], 1);
   EXPECT_EQ(num[TaskKind::kMap], 1);
   EXPECT_EQ(num[TaskKind::kDate], 2) << "its date and the one after";
   EXPECT_EQ(num[TaskKind::kChanges], 2);
@@ -91,7 +90,6 @@ TEST(FarmTasks, OfAnotherRigAreItsMapsAndWhatFollows) {
     if (d.robot == "robot_1") d.rig_digest = "mended";
   }
   auto num = num_new(before, tasks_of(drives, {}));
-  EXPECT_EQ(num[TaskKind::kCheck], 0);
   EXPECT_EQ(num[TaskKind::kMap], 4);
   EXPECT_EQ(num[TaskKind::kDate], 4);
   EXPECT_EQ(num[TaskKind::kChanges], 2);
@@ -110,6 +108,48 @@ TEST(FarmTasks, OfAnEditedDateAreTheDatesAfterIt) {
   EXPECT_EQ(num[TaskKind::kMap], 0);
   EXPECT_EQ(num[TaskKind::kDate], 2) << "the two after it, and none of the other block";
   EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, OfAnEditedDateAreItsOwnPages) {
+  const auto drives = farm_of(1, 2, 1);
+  const auto before = tasks_of(drives, {});
+  const std::string last = before.back().needs.front();
+  auto num = num_new(before, tasks_of(drives, {}, [&](const std::string& name) {
+                       return name == last ? std::string("a tree felled") : std::string();
+                     }));
+  EXPECT_EQ(num[TaskKind::kDate], 0);
+  EXPECT_EQ(num[TaskKind::kChanges], 1) << "they are compared as corrected";
+  EXPECT_EQ(num[TaskKind::kReport], 1);
+}
+
+TEST(FarmTasks, JoinMapsWithinWhatTheirDrivesWarrant) {
+  auto drives = farm_of(1, 3, 2);
+  for (Drive& d : drives) d.max_offset_m = Drive::kMaxOffsetOfFixes_m;
+  const auto offsets = [](const std::vector<FarmTask>& tasks) {
+    std::vector<double> all_m;
+    for (const FarmTask& task : tasks) {
+      if (task.kind == TaskKind::kDate) all_m.push_back(task.max_offset_m);
+    }
+    return all_m;
+  };
+  EXPECT_EQ(offsets(tasks_of(drives, {})), (std::vector<double>{0.5, 0.5, 0.5}));
+  drives[2].max_offset_m = Drive::kMaxOffset_m;  // of the second date
+  EXPECT_EQ(offsets(tasks_of(drives, {})), (std::vector<double>{0.5, 5.0, 5.0}));
+  FarmSettings settings;
+  settings.max_offset_m = 2.0;
+  EXPECT_EQ(offsets(tasks_of(drives, settings)), (std::vector<double>{2.0, 2.0, 2.0}));
+}
+
+TEST(FarmTasks, NameTheCorrectionsThatAStepMustFind) {
+  const auto tasks = tasks_of(farm_of(1, 3, 1), {}, [](const std::string& name) {
+    return name.rfind("date-", 0) == 0 ? "of " + name : std::string();
+  });
+  for (const FarmTask& task : tasks) {
+    std::set<std::string> dates(task.earlier.begin(), task.earlier.end());
+    if (task.kind != TaskKind::kDate) dates.insert(task.needs.begin(), task.needs.end());
+    ASSERT_EQ(task.edits.size(), dates.size()) << task.name;
+    for (const std::string& date : dates) EXPECT_EQ(task.edits.at(date), "of " + date);
+  }
 }
 
 TEST(FarmTasks, PutEachDateIntoTheDatabaseWhereThereIsOne) {
@@ -139,10 +179,10 @@ TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
   std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
                             drive("b", "1", "x", "log")};
   const auto tasks = tasks_of(drives, {});
-  ASSERT_EQ(tasks.size(), 5U) << "one check, one map, one date: both blocks hold the same, and "
-                                 "each has a report of its own name";
-  EXPECT_EQ(tasks[1].drives.size(), 3U);
-  EXPECT_EQ(tasks[2].needs.size(), 1U);
+  ASSERT_EQ(tasks.size(), 4U) << "one map, one date: both blocks hold the same, and each has a "
+                                 "report of its own name";
+  EXPECT_EQ(tasks[0].drives.size(), 3U);
+  EXPECT_EQ(tasks[1].needs.size(), 1U);
 }
 
 std::string text_of(const std::vector<std::string>& files) {
@@ -209,34 +249,23 @@ TEST(Sha256, DoesNotDependOnThePiecesInWhichBytesCome) {
 
 TEST(CostFit, FindsWhatAMapCosts) {
   std::vector<CostSample> samples;
-  for (int i = 1; i <= 20; ++i) {
-    const double km = 0.1 * i, trees = 10.0 * ((i * 7) % 23), mb = 30.0 * km;
-    samples.push_back(
-        {0.5 + 6.0 * km + 0.01 * trees, 90.0 + 64.0 * km + 0.07 * trees, km, trees, mb});
-  }
+  for (int i = 1; i <= 20; ++i) samples.push_back({0.5 + 0.2 * i, 90.0 + 2.0 * i, 1.0 * i});
   const CostFit fit = fit_costs(samples);
-  EXPECT_NEAR(fit.time_s.at_least, 0.5, 1e-6);
-  EXPECT_NEAR(fit.time_s.per_km, 6.0, 1e-6);
-  EXPECT_NEAR(fit.time_s.per_tree, 0.01, 1e-6);
-  EXPECT_NEAR(fit.memory_mb.per_km, 64.0, 1e-6);
-  EXPECT_GT(fit.ask_mb.per_mb, 0.0);
+  EXPECT_NEAR(fit.time_s.at_least, 0.5, 1e-9);
+  EXPECT_NEAR(fit.time_s.per_mb, 0.2, 1e-9);
+  EXPECT_NEAR(fit.memory_mb.of(50.0), 190.0, 1e-9);
 }
 
 TEST(CostFit, HasNoPartBelowZero) {
-  // Trees that make a map cheaper: as they stand nearer together, say.
-  std::vector<CostSample> samples;
-  for (int i = 1; i <= 10; ++i) {
-    const double km = 0.1 * i, trees = 100.0 / i;
-    samples.push_back({1.0 + 5.0 * km - 0.001 * trees, 100.0, km, trees, 10.0});
-  }
-  const CostFit fit = fit_costs(samples);
-  for (const CostLine& line : {fit.time_s, fit.memory_mb, fit.ask_s, fit.ask_mb}) {
-    EXPECT_GE(line.at_least, 0.0);
-    EXPECT_GE(line.per_km, 0.0);
-    EXPECT_GE(line.per_tree, 0.0);
-    EXPECT_GE(line.per_mb, 0.0);
-  }
-  EXPECT_GT(fit_costs({}).ask_s.at_least, 0.0) << "something is asked for before the first map";
+  // Longer logs that are cheaper; and a cost that grows from less than nothing.
+  const CostFit cheaper = fit_costs({{9.0, 3.0, 1.0}, {5.0, 3.0, 2.0}, {4.0, 3.0, 3.0}});
+  EXPECT_EQ(cheaper.time_s.per_mb, 0.0);
+  EXPECT_NEAR(cheaper.time_s.at_least, 6.0, 1e-9) << "the mean";
+  const CostFit steep = fit_costs({{1.0, 3.0, 2.0}, {9.0, 3.0, 4.0}});
+  EXPECT_EQ(steep.time_s.at_least, 0.0);
+  EXPECT_NEAR(steep.time_s.per_mb, (1.0 * 2.0 + 9.0 * 4.0) / (2.0 * 2.0 + 4.0 * 4.0), 1e-9);
+  EXPECT_NEAR(fit_costs({{1.0, 80.0, 5.0}}).memory_mb.of(5.0), 80.0, 1e-9);
+  EXPECT_GT(fit_costs({}).time_s.at_least, 0.0) << "something is asked for before the first map";
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/appearance_learner.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,9 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "calibration/trunks/multinomial.hpp"
 #include "geometry/statistics.hpp"
 #include "vision/appearance.hpp"
 
@@ -20,24 +21,10 @@ namespace {
 // derived: limits of the fit, never reached by data that can be learnt from.
 constexpr int kNumFeatures = static_cast<int>(vision::kNumAppearanceFeatures);
 constexpr int kMinWindows = 10;  // per class
-constexpr int kMaxSteps = 50;
 constexpr double kMinScale = 1e-6;
+constexpr double kNoRidge = 1e-9;  // keeps the equations solvable
 
 using Samples = std::vector<const AppearanceSample*>;
-
-/// Weights of the samples, such that each class has half of the total weight.
-struct ClassWeights {
-  double trunk = 1.0, other = 1.0;
-
-  explicit ClassWeights(const Samples& samples) {
-    double num_trunk = 0.0;
-    for (const AppearanceSample* sample : samples) num_trunk += sample->is_trunk ? 1.0 : 0.0;
-    const auto n = static_cast<double>(samples.size());
-    trunk = 0.5 * n / num_trunk;
-    other = 0.5 * n / (n - num_trunk);
-  }
-  double of(const AppearanceSample& sample) const { return sample.is_trunk ? trunk : other; }
-};
 
 bool has_both_classes(const Samples& samples) {
   const auto is_trunk = [](const AppearanceSample* s) { return s->is_trunk; };
@@ -88,58 +75,32 @@ double loss_of(double margin) {
   return margin > 0.0 ? std::log1p(std::exp(-margin)) : -margin + std::log1p(std::exp(margin));
 }
 
-/// Penalised negative log likelihood of the coefficients.
-double objective(const Samples& samples, const Eigen::MatrixXd& x, const ClassWeights& weights,
-                 const Eigen::VectorXd& beta, double penalty) {
-  double sum = 0.5 * penalty * beta.head(beta.size() - 1).squaredNorm();
-  const Eigen::VectorXd z = x.transpose() * beta;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double margin =
-        samples[i]->is_trunk ? z[static_cast<Eigen::Index>(i)] : -z[static_cast<Eigen::Index>(i)];
-    sum += weights.of(*samples[i]) * loss_of(margin);
+/// One observation per trunk or other window, each class with half of the total weight `total`.
+MultinomialData data_of(Eigen::MatrixXd features, const std::vector<char>& is_trunk, double total) {
+  const auto num_trunk = static_cast<double>(std::count(is_trunk.begin(), is_trunk.end(), 1));
+  const double num_other = static_cast<double>(is_trunk.size()) - num_trunk;
+  MultinomialData data{std::move(features), {}, {}, {}, 2};
+  for (const char trunk : is_trunk) {
+    data.outcomes.push_back(trunk ? 0 : 1);
+    data.shares.push_back(0.5 * total / (trunk ? num_trunk : num_other));
   }
-  return sum;
+  return data;
 }
 
-/// Newton's method with step halving. The problem is convex, so it converges to the global minimum.
 vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
   vision::AppearanceConfig config;
   standardise(samples, config);
-  const ClassWeights weights(samples);
   const int num_terms = shape.num_terms();
   Eigen::MatrixXd x(num_terms + 1, static_cast<Eigen::Index>(samples.size()));
+  std::vector<char> is_trunk;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     x.col(static_cast<Eigen::Index>(i)) = terms_of(*samples[i], config, shape);
+    is_trunk.push_back(samples[i]->is_trunk);
   }
   Eigen::VectorXd ridge = Eigen::VectorXd::Constant(num_terms + 1, shape.penalty);
-  ridge[num_terms] = 1e-9;  // the bias has no penalty
-  Eigen::VectorXd beta = Eigen::VectorXd::Zero(num_terms + 1);
-  double value = objective(samples, x, weights, beta, shape.penalty);
-  for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::VectorXd gradient = ridge.cwiseProduct(beta);
-    Eigen::VectorXd curvature(x.cols());
-    const Eigen::VectorXd z = x.transpose() * beta;
-    for (Eigen::Index i = 0; i < x.cols(); ++i) {
-      const AppearanceSample& sample = *samples[static_cast<std::size_t>(i)];
-      const double p = 1.0 / (1.0 + std::exp(-z[i]));
-      const double w = weights.of(sample);
-      gradient += w * (p - (sample.is_trunk ? 1.0 : 0.0)) * x.col(i);
-      curvature[i] = w * p * (1.0 - p);
-    }
-    Eigen::MatrixXd hessian = x * curvature.asDiagonal() * x.transpose();
-    hessian.diagonal() += ridge;
-    const Eigen::VectorXd newton = hessian.ldlt().solve(gradient);
-    double length = 1.0, next = 0.0;
-    for (; length > 1e-6; length *= 0.5) {
-      next = objective(samples, x, weights, beta - length * newton, shape.penalty);
-      if (next <= value) break;
-    }
-    if (next > value) break;
-    beta -= length * newton;
-    const double gain = value - next;
-    value = next;
-    if (gain <= 1e-10 * std::abs(value)) break;
-  }
+  ridge[num_terms] = kNoRidge;  // the bias has no penalty
+  const auto data = data_of(std::move(x), is_trunk, static_cast<double>(samples.size()));
+  const Eigen::VectorXd beta = fit_multinomial(data, ridge).weights;
   config.weights.assign(beta.data(), beta.data() + kNumFeatures);
   if (shape.squares) config.squares.assign(beta.data() + kNumFeatures, beta.data() + num_terms);
   config.bias = beta[num_terms];
@@ -245,31 +206,25 @@ struct Calibration {
 /// Platt scaling: logistic regression of the true class on the log odds of left-out windows, with
 /// equal class weights. Targets slightly inside 0 and 1 keep it finite. Source: Platt 1999.
 Calibration calibrate(const Judged& judged) {
-  const auto target = [](const std::vector<double>& scores) {
-    const auto n = static_cast<double>(scores.size());
-    return (n + 1.0) / (n + 2.0);
-  };
-  Calibration c;
-  for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d hessian = 1e-9 * Eigen::Matrix2d::Identity();
-    const auto add = [&](const std::vector<double>& scores, double truth) {
-      for (const double score : scores) {
-        const double p = 1.0 / (1.0 + std::exp(-c.offset - c.slope * score));
-        const double weight = 1.0 / static_cast<double>(scores.size());
-        const Eigen::Vector2d x(1.0, score);
-        gradient += weight * (p - truth) * x;
-        hessian += weight * std::max(p * (1.0 - p), 1e-3) * x * x.transpose();
+  MultinomialData data;
+  data.num_outcomes = 2;
+  std::vector<double> scores;
+  const auto add = [&](const std::vector<double>& of_class, int outcome) {
+    const auto n = static_cast<double>(of_class.size());
+    for (const double score : of_class) {
+      for (const int told : {outcome, 1 - outcome}) {
+        scores.push_back(score);
+        data.outcomes.push_back(told);
+        data.shares.push_back((told == outcome ? n + 1.0 : 1.0) / (n + 2.0) / n);
       }
-    };
-    add(judged.trunk, target(judged.trunk));
-    add(judged.other, 1.0 - target(judged.other));
-    const Eigen::Vector2d move = hessian.ldlt().solve(gradient);
-    c.offset -= move[0];
-    c.slope -= move[1];
-    if (move.norm() < 1e-9) break;
-  }
-  return c;
+    }
+  };
+  add(judged.trunk, 0);
+  add(judged.other, 1);
+  data.features.setOnes(2, static_cast<Eigen::Index>(scores.size()));
+  data.features.row(1) = Eigen::Map<const Eigen::RowVectorXd>(scores.data(), data.features.cols());
+  const Eigen::MatrixXd beta = fit_multinomial(data, Eigen::Vector2d::Constant(kNoRidge)).weights;
+  return {beta(0), beta(1)};
 }
 
 /// Applies to every fold the fit to all others. Fills the figures of `found` and its left_out, and

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <random>
 #include <stdexcept>
@@ -30,31 +32,23 @@ class Uniform {
   std::mt19937_64 engine_;
 };
 
-/// Integral image of the mask: counts the trunk pixels of any window in constant time.
+/// Counts the trunk pixels of any window in constant time.
 class TrunkCounts {
  public:
-  explicit TrunkCounts(const TrunkMask& mask)
-      : stride_(static_cast<std::size_t>(mask.width_px) + 1),
-        sums_(stride_ * (static_cast<std::size_t>(mask.height_px) + 1)) {
-    for (std::size_t y = 0; y + 1 < sums_.size() / stride_; ++y) {
-      std::int64_t row = 0;
-      for (std::size_t x = 0; x + 1 < stride_; ++x) {
-        row += mask.trunk[y * (stride_ - 1) + x] != 0 ? 1 : 0;
-        sums_[(y + 1) * stride_ + x + 1] = sums_[y * stride_ + x + 1] + row;
-      }
-    }
+  explicit TrunkCounts(const TrunkMask& mask) {
+    const cv::Mat trunk(mask.height_px, mask.width_px, CV_8UC1,
+                        const_cast<std::uint8_t*>(mask.trunk.data()));
+    cv::integral(cv::min(trunk, 1), sums_, CV_32S);
   }
   std::int64_t in(const vision::PixelRect& w) const {
-    return at(w.x_px + w.width_px, w.y_px + w.height_px) - at(w.x_px, w.y_px + w.height_px) -
-           at(w.x_px + w.width_px, w.y_px) + at(w.x_px, w.y_px);
+    const int right = w.x_px + w.width_px, bottom = w.y_px + w.height_px;
+    return std::int64_t{at(right, bottom)} - at(w.x_px, bottom) - at(right, w.y_px) +
+           at(w.x_px, w.y_px);
   }
 
  private:
-  std::int64_t at(int x, int y) const {
-    return sums_[static_cast<std::size_t>(y) * stride_ + static_cast<std::size_t>(x)];
-  }
-  std::size_t stride_;
-  std::vector<std::int64_t> sums_;
+  int at(int x, int y) const { return sums_.at<int>(y, x); }
+  cv::Mat sums_;
 };
 
 /// Consecutive trunk columns in a row: the first and their number.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/trunk_model.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -11,7 +12,6 @@
 
 #include "calibration/tuning.hpp"
 #include "geometry/statistics.hpp"
-#include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -221,26 +221,22 @@ std::vector<std::size_t> largest_population(const std::vector<ObjectTrack>& trac
   return best;
 }
 
-double spread_of(const std::vector<double>& values, double mean) {
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return values.size() > 1 ? squares / (static_cast<double>(values.size()) - 1.0) : 0.0;
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+double variance_of(const std::vector<double>& values) {
+  const double mean = mean_of(values);
+  double squares = 0.0;
+  for (const double value : values) squares += geometry::square(value - mean);
+  return values.size() > 1 ? squares / (static_cast<double>(values.size()) - 1.0) : 0.0;
 }
 
 /// Separation of two populations in pooled standard deviations.
 double separation(const std::vector<double>& a, const std::vector<double>& b, double sd_floor) {
-  const double mean_a = mean_of(a), mean_b = mean_of(b);
-  const double pooled = std::sqrt(0.5 * (spread_of(a, mean_a) + spread_of(b, mean_b)));
-  return std::abs(mean_a - mean_b) / std::max(pooled, sd_floor);
+  const double pooled = std::sqrt(0.5 * (variance_of(a) + variance_of(b)));
+  return std::abs(mean_of(a) - mean_of(b)) / std::max(pooled, sd_floor);
 }
-
-std::string millimetres(double metres) { return fixed_text(1e3 * metres, 0) + " mm"; }
 
 /// Warns when the second largest population is not separated from the trunks, or may be the trunks.
 void compare_populations(const std::vector<ObjectTrack>& tracks,
@@ -260,25 +256,26 @@ void compare_populations(const std::vector<ObjectTrack>& tracks,
   }
   const double by_width = separation(widths_m[0], widths_m[1], 1e-3);
   const double by_hue = has_hue ? separation(hues_deg[0], hues_deg[1], 1.0) : 0.0;
-  const std::string what =
-      std::to_string(others.size()) + " other objects of about " +
-      millimetres(geometry::midpoint_median(widths_m[1])) +
-      (has_hue ? " and hue " + fixed_text(geometry::midpoint_median(hues_deg[1]) + hue_deg, 0)
-               : std::string());
+  std::string what = fmt::format("{} other objects of about {:.0f} mm", others.size(),
+                                 1e3 * geometry::midpoint_median(widths_m[1]));
+  std::string apart = fmt::format("{:.1f} sd in width", by_width);
+  if (has_hue) {
+    what += fmt::format(" and hue {:.0f}", geometry::midpoint_median(hues_deg[1]) + hue_deg);
+    apart += fmt::format(", {:.1f} sd in hue", by_hue);
+  }
   if (std::max(by_width, by_hue) < options.separation_min) {
-    model.warnings.push_back(what + " cannot be separated from the trunks (" +
-                             fixed_text(by_width, 1) + " sd in width" +
-                             (has_hue ? ", " + fixed_text(by_hue, 1) + " sd in hue" : "") + "; " +
-                             fixed_text(options.separation_min, 0) +
-                             " are needed): a mixed orchard, or posts like trunks; choose the "
-                             "trunks with --list and --trees");
+    model.warnings.push_back(fmt::format(
+        "{} cannot be separated from the trunks ({}; {:.0f} are needed): a mixed orchard, or posts "
+        "like trunks; choose the trunks with --list and --trees",
+        what, apart, options.separation_min));
   }
   const double fraction =
       static_cast<double>(trunks.size()) / static_cast<double>(trunks.size() + others.size());
   if (fraction < options.fraction_min) {
-    model.warnings.push_back(
-        what + " are about as many as the " + std::to_string(trunks.size()) +
-        " objects classified as trunks; check them with --list, and choose with --trees");
+    model.warnings.push_back(fmt::format(
+        "{} are about as many as the {} objects classified as trunks; check them with --list, and "
+        "choose with --trees",
+        what, trunks.size()));
   }
 }
 
@@ -305,11 +302,10 @@ void warn_of_two_populations(const std::vector<ObjectTrack>& tracks,
     thick_m = high_m;
   }
   if (largest < options.separation_min) return;
-  model.warnings.push_back("there are two kinds of trunks, about " + millimetres(mean_of(thin_m)) +
-                           " and " + millimetres(mean_of(thick_m)) + " wide (" +
-                           fixed_text(largest, 1) +
-                           " sd apart): one mean fits neither; choose the trunks of one kind with "
-                           "--trees");
+  model.warnings.push_back(fmt::format(
+      "there are two kinds of trunks, about {:.0f} mm and {:.0f} mm wide ({:.1f} sd apart): one "
+      "mean fits neither; choose the trunks of one kind with --trees",
+      1e3 * mean_of(thin_m), 1e3 * mean_of(thick_m), largest));
 }
 
 std::vector<std::size_t> picked_by_number(const std::vector<ObjectTrack>& tracks,
@@ -317,8 +313,8 @@ std::vector<std::size_t> picked_by_number(const std::vector<ObjectTrack>& tracks
   std::vector<std::size_t> picked;
   for (const int number : numbers) {
     if (number < 1 || number > static_cast<int>(tracks.size())) {
-      throw std::runtime_error("there is no object " + std::to_string(number) + ", only 1 to " +
-                               std::to_string(tracks.size()) + "; list them with --list DIR");
+      throw std::runtime_error(fmt::format(
+          "there is no object {}, only 1 to {}; list them with --list DIR", number, tracks.size()));
     }
     picked.push_back(static_cast<std::size_t>(number - 1));
   }
@@ -339,8 +335,8 @@ std::vector<std::size_t> picked_by_place(const std::vector<ObjectTrack>& tracks,
       if (std::find(picked.begin(), picked.end(), i) == picked.end()) picked.push_back(i);
     }
     if (picked.size() == before) {
-      unseen += (unseen.empty() ? "landmark " : ", ") + std::to_string(place.id) + " at (" +
-                fixed_text(place.x_m, 2) + ", " + fixed_text(place.y_m, 2) + ") m";
+      unseen += fmt::format("{}{} at ({:.2f}, {:.2f}) m", unseen.empty() ? "landmark " : ", ",
+                            place.id, place.x_m, place.y_m);
     }
   }
   if (!unseen.empty()) {
@@ -360,9 +356,9 @@ std::vector<std::size_t> find_trunks(const std::vector<ObjectTrack>& tracks, boo
   const auto trunks =
       largest_population(tracks, std::vector<bool>(tracks.size()), has_hue, options);
   if (trunks.empty()) {
-    throw std::runtime_error("no separate object was observed " +
-                             std::to_string(options.min_observations) +
-                             " times or more; drive past trunks more slowly or nearer");
+    throw std::runtime_error(fmt::format(
+        "no separate object was observed {} times or more; drive past trunks more slowly or nearer",
+        options.min_observations));
   }
   return trunks;
 }
@@ -398,15 +394,10 @@ void measure_width(const std::vector<double>& all_m, std::vector<std::size_t>& u
   used.erase(std::remove_if(used.begin(), used.end(),
                             [&](std::size_t i) { return std::abs(all_m[i] - middle_m) > limit_m; }),
              used.end());
-  const auto n = static_cast<double>(used.size());
-  double sum_m = 0.0, squares_m2 = 0.0;
-  for (const std::size_t i : used) sum_m += all_m[i];
-  model.width_mean_m = sum_m / n;
-  for (const std::size_t i : used) {
-    const double deviation_m = all_m[i] - model.width_mean_m;
-    squares_m2 += deviation_m * deviation_m;
-  }
-  model.width_sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
+  widths_m.clear();
+  for (const std::size_t i : used) widths_m.push_back(all_m[i]);
+  model.width_mean_m = mean_of(widths_m);
+  model.width_sd_m = std::sqrt(variance_of(widths_m));
 }
 
 }  // namespace
@@ -454,17 +445,18 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
     model.hue_min_deg = interval.min_deg;
     model.hue_max_deg = interval.max_deg;
     if (interval.width_deg > 90.0) {
-      model.warnings.push_back("the hues of the trunks spread over " +
-                               std::to_string(static_cast<int>(interval.width_deg)) +
-                               " degrees, so colour will hardly help to classify");
+      model.warnings.push_back(
+          fmt::format("the hues of the trunks spread over {:.0f} degrees, so colour will hardly "
+                      "help to classify",
+                      std::floor(interval.width_deg)));
     }
   }
   compare_populations(tracks, trunks, model.has_hue, options, model);
   warn_of_two_populations(tracks, trunks, options, model);
   if (model.num_trunks < options.wanted_trunks) {
-    model.warnings.push_back("only " + std::to_string(model.num_trunks) + " trunks were found; " +
-                             std::to_string(options.wanted_trunks) +
-                             " or more are needed for a reliable model");
+    model.warnings.push_back(
+        fmt::format("only {} trunks were found; {} or more are needed for a reliable model",
+                    model.num_trunks, options.wanted_trunks));
   }
   return model;
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "calibration/trunks/landmark_outcomes.hpp"
+#include "calibration/trunks/multinomial.hpp"
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
 #include "unit/central_difference.hpp"
@@ -34,7 +35,7 @@ TEST(MultinomialFit, RecoversTheWeightsThatMadeTheData) {
     data.outcomes.push_back(u < ea ? 0 : u < ea + eb ? 1 : 2);
     data.clusters.push_back(i);
   }
-  const MultinomialFit fit = fit_multinomial(data, 1e-6);
+  const MultinomialFit fit = fit_multinomial(data, Eigen::Vector3d::Constant(1e-6));
   for (int k = 0; k < 3; ++k) {
     for (const auto& [column, truth] : {std::pair{0, a[k]}, std::pair{1, b[k]}}) {
       const double se = fit.standard_errors(k, column);
@@ -82,7 +83,7 @@ TEST(MultinomialFit, SlopeAndHessianAreTheCentralDifferences) {
         .J.row(0)
         .transpose();
   };
-  const MultinomialFit fit = fit_multinomial(data, kPenalty);
+  const MultinomialFit fit = fit_multinomial(data, Eigen::Vector2d::Constant(kPenalty));
   const Eigen::VectorXd w = Eigen::Map<const Eigen::VectorXd>(fit.weights.data(), 4);
   EXPECT_LT(slope_of(w, -1).norm(), 1e-3);
   const Eigen::MatrixXd hessian =
@@ -114,7 +115,8 @@ TEST(MultinomialFit, ACopyOfEachObservationMakesNobodySurer) {
       twice.clusters.push_back(i);
     }
   }
-  const auto a = fit_multinomial(once, 1e-6), b = fit_multinomial(twice, 1e-6);
+  const Eigen::Vector2d ridge = Eigen::Vector2d::Constant(1e-6);
+  const auto a = fit_multinomial(once, ridge), b = fit_multinomial(twice, ridge);
   EXPECT_TRUE(a.weights.isApprox(b.weights, 1e-5));
   EXPECT_TRUE(a.standard_errors.isApprox(b.standard_errors, 1e-5));
 }
@@ -127,8 +129,9 @@ TEST(MultinomialFit, SeparableOrMissingOutcomesStayFinite) {
     data.outcomes.push_back(i < 5 ? 0 : 1);
     data.clusters.push_back(i);
   }
-  EXPECT_TRUE(fit_multinomial(data, 1.0).weights.allFinite());
-  EXPECT_TRUE(fit_multinomial({Eigen::MatrixXd(2, 0), {}, {}}, 1.0).weights.isZero());
+  EXPECT_TRUE(fit_multinomial(data, Eigen::Vector2d::Ones()).weights.allFinite());
+  const MultinomialData none{Eigen::MatrixXd(2, 0), {}, {}};
+  EXPECT_TRUE(fit_multinomial(none, Eigen::Vector2d::Ones()).weights.isZero());
 }
 
 /// Looks at objects of a class each: the class decides colour and width, with overlap; some are of

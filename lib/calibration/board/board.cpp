@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/board/board.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,8 +32,7 @@ std::optional<int> marker_dictionary(const std::string& name) {
   static_assert(cv::aruco::DICT_4X4_50 == 0 && cv::aruco::DICT_7X7_1000 == 15);
   for (int bits = 4; bits <= 7; ++bits) {
     for (std::size_t i = 0; i < kCounts.size(); ++i) {
-      if (name ==
-          std::to_string(bits) + "x" + std::to_string(bits) + "_" + std::to_string(kCounts[i])) {
+      if (name == fmt::format("{}x{}_{}", bits, bits, kCounts[i])) {
         return 4 * (bits - 4) + static_cast<int>(i);
       }
     }
@@ -48,18 +48,6 @@ int marker_count(const std::string& name) {
 
 }  // namespace
 
-GreyPicture grey_of(const vision::PixelBlock& pixels) {
-  GreyPicture picture{pixels.area.width_px, pixels.area.height_px, {}};
-  if (pixels.area.empty()) return {};
-  picture.grey.resize(static_cast<std::size_t>(picture.width_px) *
-                      static_cast<std::size_t>(picture.height_px));
-  const cv::Mat bgr(picture.height_px, picture.width_px, CV_8UC3,
-                    const_cast<std::uint8_t*>(pixels.bgr.data()));
-  cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1, picture.grey.data());
-  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  return picture;
-}
-
 std::optional<GreyPicture> grey_of(const vision::Image& image) {
   if (image.width_px <= 0 || image.height_px <= 0) return std::nullopt;
   if (image.encoding == vision::Encoding::kGray8) {
@@ -71,7 +59,13 @@ std::optional<GreyPicture> grey_of(const vision::Image& image) {
   }
   const auto pixels = vision::decode(image, {0, 0, image.width_px, image.height_px});
   if (!pixels) return std::nullopt;
-  return grey_of(*pixels);
+  const cv::Mat bgr(image.height_px, image.width_px, CV_8UC3,
+                    const_cast<std::uint8_t*>(pixels->bgr.data()));
+  GreyPicture picture{image.width_px, image.height_px, {}};
+  picture.grey.resize(bgr.total());
+  cv::Mat grey(bgr.size(), CV_8UC1, picture.grey.data());
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return picture;
 }
 
 namespace {
@@ -174,8 +168,8 @@ bool find_grid(const cv::Mat& grey, cv::Size size, std::vector<cv::Point2f>& cor
 
 void add_corner(const cv::Point2f& corner, const cv::Point2f& place, const BoardConfig& board,
                 BoardView& view) {
-  view.corners_px.push_back({corner.x, corner.y});
-  view.corners_m.push_back({place.x * board.square_m, place.y * board.square_m});
+  view.corners_px.emplace_back(corner.x, corner.y);
+  view.corners_m.emplace_back(place.x * board.square_m, place.y * board.square_m);
 }
 
 std::optional<BoardView> find_chessboard(const cv::Mat& grey, const BoardConfig& board) {
@@ -237,8 +231,8 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
     // A corner that moved far in the refinement was attracted by another edge.
     if (far[i] || distance_px(corners[i], coarse[i]) > most_moved_px) continue;
     add_corner(corners[i], places[i], board, view);
-    one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;
-    one_column = one_column && view.corners_m.back().x_m == view.corners_m[0].x_m;
+    one_row = one_row && view.corners_m.back().y() == view.corners_m[0].y();
+    one_column = one_column && view.corners_m.back().x() == view.corners_m[0].x();
   }
   if (view.corners_px.size() < kMinCharucoCorners) return std::nullopt;
   if (one_row || one_column) return std::nullopt;
@@ -249,9 +243,10 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
 
 std::optional<std::string> problem_with(const BoardConfig& board) {
   if (board.columns < 3 || board.rows < 3 || board.columns > 50 || board.rows > 50) {
-    return "a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
-           " cannot be detected: columns and rows must be 3 to 50 (inner corners of a chessboard, "
-           "squares of a ChArUco board)";
+    return fmt::format(
+        "a board of {} x {} cannot be detected: columns and rows must be 3 to 50 (inner corners of "
+        "a chessboard, squares of a ChArUco board)",
+        board.columns, board.rows);
   }
   if (!(board.square_m > 0.0) || !(board.square_m <= 5.0)) {
     return "the side of a square must be above 0 and at most 5 m; measure it on the board, in "
@@ -272,8 +267,10 @@ std::optional<std::string> problem_with(const BoardConfig& board) {
   }
   const int num_markers = board.columns * board.rows / 2;
   if (num_markers > marker_count(board.dictionary)) {
-    return "the board has " + std::to_string(num_markers) + " markers, but the dictionary " +
-           board.dictionary + " has fewer; give the dictionary with which the board was printed";
+    return fmt::format(
+        "the board has {} markers, but the dictionary {} has fewer; give the dictionary with which "
+        "the board was printed",
+        num_markers, board.dictionary);
   }
   return std::nullopt;
 }
@@ -291,10 +288,6 @@ std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfi
                      const_cast<std::uint8_t*>(picture.grey.data()));
   return board.kind == BoardConfig::kChessboard ? find_chessboard(grey, board)
                                                 : find_charuco(grey, board);
-}
-
-std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board) {
-  return find_board(grey_of(pixels), board);
 }
 
 BoardPattern::BoardPattern(const BoardConfig& board) : board_(board), outline_(outline_of(board)) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "vision/image.hpp"
-#include "vision/pixel_block.hpp"
 
 namespace orchard::calibration {
 
@@ -18,10 +18,8 @@ struct GreyPicture {
   std::vector<std::uint8_t> grey;  ///< width_px x height_px
 };
 
-/// Converts decoded pixels to grey (Rec. 601, as OpenCV).
-GreyPicture grey_of(const vision::PixelBlock& pixels);
-
-/// Decodes an image of any encoding to grey. None when the bytes are no image of the stated size.
+/// Decodes an image of any encoding to grey (Rec. 601, as OpenCV). None when the bytes are no image
+/// of the stated size.
 std::optional<GreyPicture> grey_of(const vision::Image& image);
 
 /// Geometry and pattern of a flat calibration board.
@@ -54,23 +52,11 @@ struct BoardOutline {
 };
 BoardOutline outline_of(const BoardConfig& board);
 
-/// A point in an image; pixel centres have integer coordinates.
-struct ImagePoint {
-  double x_px = 0.0;
-  double y_px = 0.0;
-};
-
-/// A point on the board, in the board frame.
-struct BoardPoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-};
-
 /// The inner corners of a board found in one image: all corners of a chessboard, row by row, or the
 /// visible corners of a ChArUco board.
 struct BoardView {
-  std::vector<ImagePoint> corners_px;
-  std::vector<BoardPoint> corners_m;  ///< the same corners in the board frame, in the same order
+  std::vector<Eigen::Vector2d> corners_px;  ///< pixel centres have integer coordinates
+  std::vector<Eigen::Vector2d> corners_m;   ///< the same corners in the board frame
 };
 
 /// Finds the board's inner corners in an image with subpixel accuracy. None when the board is not
@@ -80,7 +66,6 @@ struct BoardView {
 /// in the image, or down when the board is upright. Throws std::invalid_argument for a board that
 /// problem_with() rejects.
 std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfig& board);
-std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board);
 
 /// The printed pattern of a board: black or white at every point of its sheet.
 class BoardPattern {

@@ -135,10 +135,7 @@ std::vector<std::optional<BoardPose>> estimate_board_poses(const std::vector<Boa
   std::vector<std::optional<BoardPose>> poses;
   std::vector<double> variances;
   for (const BoardView& view : views) {
-    std::vector<Eigen::Vector2d> corners_px, corners_m;
-    for (const ImagePoint& p : view.corners_px) corners_px.emplace_back(p.x_px, p.y_px);
-    for (const BoardPoint& p : view.corners_m) corners_m.emplace_back(p.x_m, p.y_m);
-    poses.push_back(estimate_board_pose(corners_px, corners_m, camera, 1.0));
+    poses.push_back(estimate_board_pose(view.corners_px, view.corners_m, camera, 1.0));
     if (!poses.back()) continue;
     const double left_over = 2.0 * poses.back()->num_corners;
     variances.push_back(poses.back()->rms_px * poses.back()->rms_px * left_over /

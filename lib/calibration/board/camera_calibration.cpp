@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/board/camera_calibration.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/statistics.hpp"
-#include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -29,17 +29,13 @@ struct Solution {
 
 std::vector<cv::Point3f> places_of(const BoardView& view) {
   std::vector<cv::Point3f> places;
-  for (const BoardPoint& p : view.corners_m) {
-    places.emplace_back(static_cast<float>(p.x_m), static_cast<float>(p.y_m), 0.0f);
-  }
+  for (const auto& p : view.corners_m) places.emplace_back(p.x(), p.y(), 0.0f);
   return places;
 }
 
 std::vector<cv::Point2f> pixels_of(const BoardView& view) {
   std::vector<cv::Point2f> pixels;
-  for (const ImagePoint& p : view.corners_px) {
-    pixels.emplace_back(static_cast<float>(p.x_px), static_cast<float>(p.y_px));
-  }
+  for (const auto& p : view.corners_px) pixels.emplace_back(p.x(), p.y());
   return pixels;
 }
 
@@ -83,18 +79,17 @@ Solution solve(const std::vector<const NamedView*>& views, cv::Size size, bool e
   return solution;
 }
 
+Eigen::Vector2d in_eigen(const cv::Point2f& p) { return {p.x, p.y}; }
+
 ViewFigures figures_of(const NamedView& view, const Solution& solution, std::size_t i) {
   ViewFigures figures;
   figures.name = view.name;
   figures.num_corners = static_cast<int>(view.view.corners_px.size());
   double sum_px2 = 0.0;
-  BoardPoint middle;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (std::size_t k = 0; k < view.view.corners_px.size(); ++k) {
-    const ImagePoint& found = view.view.corners_px[k];
-    const cv::Point2f& modelled = solution.modelled[i][k];
-    sum_px2 += std::pow(found.x_px - modelled.x, 2) + std::pow(found.y_px - modelled.y, 2);
-    middle.x_m += view.view.corners_m[k].x_m / figures.num_corners;
-    middle.y_m += view.view.corners_m[k].y_m / figures.num_corners;
+    sum_px2 += (view.view.corners_px[k] - in_eigen(solution.modelled[i][k])).squaredNorm();
+    middle += view.view.corners_m[k] / figures.num_corners;
   }
   figures.rms_px = std::sqrt(sum_px2 / figures.num_corners);
   cv::Matx33d R_camera_board;
@@ -103,7 +98,7 @@ ViewFigures figures_of(const NamedView& view, const Solution& solution, std::siz
   figures.tilt_rad = std::acos(std::clamp(std::abs(R_camera_board(2, 2)), 0.0, 1.0));
   const cv::Vec3d place(solution.places[i].at<double>(0), solution.places[i].at<double>(1),
                         solution.places[i].at<double>(2));
-  figures.distance_m = cv::norm(R_camera_board * cv::Vec3d(middle.x_m, middle.y_m, 0.0) + place);
+  figures.distance_m = cv::norm(R_camera_board * cv::Vec3d(middle.x(), middle.y(), 0.0) + place);
   return figures;
 }
 
@@ -188,9 +183,8 @@ CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int widt
     }
     result.views.push_back(figures_of(view, solution, next));
     for (std::size_t k = 0; k < view.view.corners_px.size(); ++k) {
-      const ImagePoint& found = view.view.corners_px[k];
-      const cv::Point2f& modelled = solution.modelled[next][k];
-      result.residuals.push_back({found, found.x_px - modelled.x, found.y_px - modelled.y});
+      const Eigen::Vector2d& found = view.view.corners_px[k];
+      result.residuals.push_back({found, found - in_eigen(solution.modelled[next][k])});
     }
     ++next;
   }
@@ -201,24 +195,17 @@ namespace {
 
 /// Position, size and tilt of the board in a view; each number varies by about 1.
 std::vector<double> observation_of(const BoardView& view, int width_px, int height_px) {
-  const auto n = static_cast<double>(view.corners_px.size());
-  double x_px = 0.0, y_px = 0.0;
-  for (const ImagePoint& corner : view.corners_px) {
-    x_px += corner.x_px / n;
-    y_px += corner.y_px / n;
-  }
-  std::vector<cv::Point2f> board, picture;
+  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
   double extent_m = 0.0;
-  for (const BoardPoint& place : view.corners_m) {
-    extent_m = std::max({extent_m, std::abs(place.x_m), std::abs(place.y_m)});
-  }
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
-    board.emplace_back(static_cast<float>(view.corners_m[i].x_m / extent_m),
-                       static_cast<float>(view.corners_m[i].y_m / extent_m));
-    picture.emplace_back(static_cast<float>(view.corners_px[i].x_px / width_px),
-                         static_cast<float>(view.corners_px[i].y_px / width_px));
+    middle_px += view.corners_px[i] / static_cast<double>(view.corners_px.size());
+    extent_m = std::max(extent_m, view.corners_m[i].lpNorm<Eigen::Infinity>());
   }
-  std::vector<double> observation{2.0 * x_px / width_px, 2.0 * y_px / height_px, 0.0, 0.0, 0.0};
+  std::vector<cv::Point2f> board = pixels_of({view.corners_m, {}}), picture = pixels_of(view);
+  for (cv::Point2f& place : board) place /= extent_m;
+  for (cv::Point2f& pixel : picture) pixel /= width_px;
+  std::vector<double> observation{2.0 * middle_px.x() / width_px, 2.0 * middle_px.y() / height_px,
+                                  0.0, 0.0, 0.0};
   const cv::Mat H = cv::findHomography(board, picture);
   if (H.empty()) return observation;
   const double size =
@@ -243,7 +230,7 @@ std::vector<std::size_t> select_spread(const std::vector<NamedView>& views, int 
 
 namespace {
 
-std::string degrees(double angle_rad) { return fixed_text(angle_rad * 180.0 / geometry::kPi, 0); }
+constexpr double kDegPerRad = 180.0 / geometry::kPi;  // derived: degrees of a radian
 
 class Judge {
  public:
@@ -262,18 +249,23 @@ class Judge {
   }
 
  private:
+  template <class... Values>
+  void refuse(const char* format, const Values&... values) {
+    reasons_.push_back(fmt::format(fmt::runtime(format), values...));
+  }
+
   void judge_views() {
     if (calibration_.num_views < rules_.min_views) {
-      reasons_.push_back("too few views: " + std::to_string(calibration_.num_views) +
-                         " of the board are used, but " + std::to_string(rules_.min_views) +
-                         " are needed, better 20");
+      refuse("too few views: {} of the board are used, but {} are needed, better 20",
+             calibration_.num_views, rules_.min_views);
     }
-    const auto all = static_cast<double>(calibration_.views.size());
-    const double outliers = all - calibration_.num_views;
-    if (outliers > rules_.max_outlier_fraction * all) {
-      reasons_.push_back(
-          "too many outliers: " + fixed_text(outliers, 0) + " of " + fixed_text(all, 0) +
-          " views disagree with the others; check that the board is flat, and hold it still");
+    const std::size_t all = calibration_.views.size();
+    const std::size_t outliers = all - static_cast<std::size_t>(calibration_.num_views);
+    if (static_cast<double>(outliers) > rules_.max_outlier_fraction * static_cast<double>(all)) {
+      refuse(
+          "too many outliers: {} of {} views disagree with the others; check that the board is "
+          "flat, and hold it still",
+          outliers, all);
     }
   }
 
@@ -286,22 +278,21 @@ class Judge {
          {right, "upper right"},
          {bottom * coverage.columns, "lower left"},
          {bottom * coverage.columns + right, "lower right"}}};
-    std::string empty;
-    int num_empty = 0;
+    std::vector<const char*> empty;
     for (const auto& [cell, name] : corners) {
-      if (coverage.corners[static_cast<std::size_t>(cell)] > 0) continue;
-      empty += (num_empty++ > 0 ? ", " : "") + std::string(name);
+      if (coverage.corners[static_cast<std::size_t>(cell)] == 0) empty.push_back(name);
     }
-    if (num_empty > 0) {
-      reasons_.push_back("the board was never seen in the " + empty + " corner" +
-                         (num_empty > 1 ? "s" : "") +
-                         " of the picture, where the lens bends most; show it there");
+    if (!empty.empty()) {
+      refuse(
+          "the board was never seen in the {} corner{} of the picture, where the lens bends most; "
+          "show it there",
+          fmt::join(empty, ", "), empty.size() > 1 ? "s" : "");
     }
     if (coverage.fraction() < rules_.min_coverage) {
-      reasons_.push_back("only " + fixed_text(100.0 * coverage.fraction(), 0) +
-                         " % of the picture was covered by the board, but " +
-                         fixed_text(100.0 * rules_.min_coverage, 0) +
-                         " % are needed; move the board over the whole picture");
+      refuse(
+          "only {:.0f} % of the picture was covered by the board, but {:.0f} % are needed; move "
+          "the board over the whole picture",
+          100.0 * coverage.fraction(), 100.0 * rules_.min_coverage);
     }
   }
 
@@ -316,12 +307,10 @@ class Judge {
       mean += Eigen::Vector2d(view.lean[0], view.lean[1]) / calibration_.num_views;
     }
     if (tilted < rules_.min_tilted) {
-      reasons_.push_back("the tilt is too small: " + std::to_string(tilted) +
-                         " views are tilted by " + degrees(rules_.min_tilt_rad) +
-                         " degrees or more (max " + degrees(largest_rad) + "), " +
-                         std::to_string(rules_.min_tilted) +
-                         " are needed; without tilt the focal length is not determined");
-      return;
+      return refuse(
+          "the tilt is too small: {} views are tilted by {:.0f} degrees or more (max {:.0f}), {} "
+          "are needed; without tilt the focal length is not determined",
+          tilted, kDegPerRad * rules_.min_tilt_rad, kDegPerRad * largest_rad, rules_.min_tilted);
     }
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
     for (const ViewFigures& view : calibration_.views) {
@@ -332,9 +321,8 @@ class Judge {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
     if (std::sqrt(std::max(0.0, axes.eigenvalues()(0))) < rules_.min_lean_spread) {
       const bool side = std::abs(axes.eigenvectors()(0, 0)) > std::abs(axes.eigenvectors()(1, 0));
-      reasons_.push_back(std::string("the board was never tilted ") +
-                         (side ? "to the left and right" : "up and down") +
-                         "; tilt it to all four sides");
+      refuse("the board was never tilted {}; tilt it to all four sides",
+             side ? "to the left and right" : "up and down");
     }
   }
 
@@ -346,8 +334,10 @@ class Judge {
       farthest_m = std::max(farthest_m, view.distance_m);
     }
     if (farthest_m < rules_.min_distance_ratio * nearest_m) {
-      reasons_.push_back("all views are at one distance (" + fixed_text(nearest_m, 2) + " to " +
-                         fixed_text(farthest_m, 2) + " m); show the board nearer and farther, too");
+      refuse(
+          "all views are at one distance ({:.2f} to {:.2f} m); show the board nearer and farther, "
+          "too",
+          nearest_m, farthest_m);
     }
   }
 
@@ -355,10 +345,10 @@ class Judge {
     const double limit_px =
         rules_.max_rms_px * std::max(1.0, calibration_.intrinsics.width_px / 640.0);
     if (calibration_.rms_px > limit_px) {
-      reasons_.push_back(
-          "the reprojection error is too large: " + fixed_text(calibration_.rms_px, 2) +
-          " px, but at most " + fixed_text(limit_px, 2) +
-          " px are allowed; check that the board is flat, and hold it still");
+      refuse(
+          "the reprojection error is too large: {:.2f} px, but at most {:.2f} px are allowed; "
+          "check that the board is flat, and hold it still",
+          calibration_.rms_px, limit_px);
     }
   }
 
@@ -367,17 +357,18 @@ class Judge {
     const double fc_sd = std::max(calibration_.fc_sd_px[0] / camera.fc_px[0],
                                   calibration_.fc_sd_px[1] / camera.fc_px[1]);
     if (!(fc_sd <= rules_.max_fc_sd)) {
-      reasons_.push_back("the focal length is uncertain by " + fixed_text(100.0 * fc_sd, 1) +
-                         " % (one standard deviation), but at most " +
-                         fixed_text(100.0 * rules_.max_fc_sd, 1) +
-                         " % are allowed; add views with more tilt");
+      refuse(
+          "the focal length is uncertain by {:.1f} % (one standard deviation), but at most {:.1f} "
+          "% are allowed; add views with more tilt",
+          100.0 * fc_sd, 100.0 * rules_.max_fc_sd);
     }
     const double cc_sd_px = std::max(calibration_.cc_sd_px[0], calibration_.cc_sd_px[1]);
     const double limit_px = rules_.max_cc_sd * camera.width_px;
     if (!(cc_sd_px <= limit_px)) {
-      reasons_.push_back("the principal point is uncertain by " + fixed_text(cc_sd_px, 1) +
-                         " px (one standard deviation), but at most " + fixed_text(limit_px, 1) +
-                         " px are allowed; add views with more tilt");
+      refuse(
+          "the principal point is uncertain by {:.1f} px (one standard deviation), but at most "
+          "{:.1f} px are allowed; add views with more tilt",
+          cc_sd_px, limit_px);
     }
   }
 
@@ -386,16 +377,17 @@ class Judge {
     const double dx = (camera.cc_px[0] - 0.5 * (camera.width_px - 1)) / camera.width_px;
     const double dy = (camera.cc_px[1] - 0.5 * (camera.height_px - 1)) / camera.height_px;
     if (std::max(std::abs(dx), std::abs(dy)) > rules_.max_cc_offset) {
-      reasons_.push_back(
-          "the principal point (" + fixed_text(camera.cc_px[0], 0) + ", " +
-          fixed_text(camera.cc_px[1], 0) +
-          ") is far from the middle of the picture; use pictures that are not cropped");
+      refuse(
+          "the principal point ({:.0f}, {:.0f}) is far from the middle of the picture; use "
+          "pictures that are not cropped",
+          camera.cc_px[0], camera.cc_px[1]);
     }
-    const double ratio = camera.fc_px[0] / camera.fc_px[1];
-    if (std::abs(ratio - 1.0) > rules_.max_fc_difference) {
-      reasons_.push_back(
-          "the two focal lengths differ by " + fixed_text(100.0 * std::abs(ratio - 1.0), 0) +
-          " %; check that the pictures are not stretched and the squares of the board are square");
+    const double difference = std::abs(camera.fc_px[0] / camera.fc_px[1] - 1.0);
+    if (difference > rules_.max_fc_difference) {
+      refuse(
+          "the two focal lengths differ by {:.0f} %; check that the pictures are not stretched and "
+          "the squares of the board are square",
+          100.0 * difference);
     }
     // The distortion model must be invertible at the image's corners.
     for (const double u : {0.0, camera.width_px - 1.0}) {
@@ -403,10 +395,9 @@ class Judge {
         const Eigen::Vector2d ray = camera_.undistort({u, v});
         const auto back = camera_.project({ray.x(), ray.y(), 1.0});
         if (back && (*back - Eigen::Vector2d(u, v)).norm() < 0.5) continue;
-        reasons_.push_back(
+        return refuse(
             "the estimated distortion is not invertible inside the picture; show the board in the "
             "corners of the picture");
-        return;
       }
     }
   }
@@ -429,8 +420,8 @@ CameraCoverage coverage_of(const CameraCalibration& calibration, int columns, in
   CameraCoverage coverage{columns, rows, {}};
   coverage.corners.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
   for (const CornerResidual& corner : calibration.residuals) {
-    const double across = (corner.found_px.x_px + 0.5) / calibration.intrinsics.width_px;
-    const double down = (corner.found_px.y_px + 0.5) / calibration.intrinsics.height_px;
+    const double across = (corner.found_px.x() + 0.5) / calibration.intrinsics.width_px;
+    const double down = (corner.found_px.y() + 0.5) / calibration.intrinsics.height_px;
     const int column = std::clamp(static_cast<int>(across * columns), 0, columns - 1);
     const int row = std::clamp(static_cast<int>(down * rows), 0, rows - 1);
     ++coverage.corners[static_cast<std::size_t>(row * columns + column)];

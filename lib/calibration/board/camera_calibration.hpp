@@ -41,9 +41,8 @@ struct ViewFigures {
 
 /// A corner and its residual.
 struct CornerResidual {
-  ImagePoint found_px;
-  double dx_px = 0.0;  ///< found minus modelled
-  double dy_px = 0.0;
+  Eigen::Vector2d found_px;
+  Eigen::Vector2d residual_px;  ///< found minus modelled
 };
 
 /// Estimated intrinsics and the figures for judging them.

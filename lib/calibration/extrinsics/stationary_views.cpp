@@ -14,6 +14,11 @@ namespace {
 /// Max deviation from the median range; well above the noise of a beam.
 double near_m(double range_m) { return 0.03 + 0.03 * range_m; }
 
+bool same_shape(const laser::Scan& a, const laser::Scan& b) {
+  return a.ranges_m.size() == b.ranges_m.size() && a.bearing_min_rad == b.bearing_min_rad &&
+         a.bearing_step_rad == b.bearing_step_rad;
+}
+
 }  // namespace
 
 laser::Scan mean_scan(const std::vector<laser::Scan>& scans) {
@@ -21,9 +26,7 @@ laser::Scan mean_scan(const std::vector<laser::Scan>& scans) {
   laser::Scan mean = scans[scans.size() / 2];
   if (scans.size() == 1) return mean;
   for (const laser::Scan& scan : scans) {
-    if (scan.ranges_m.size() != mean.ranges_m.size() ||
-        scan.bearing_min_rad != mean.bearing_min_rad ||
-        scan.bearing_step_rad != mean.bearing_step_rad) {
+    if (!same_shape(scan, mean)) {
       throw std::invalid_argument("mean_scan: scans of different shapes");
     }
   }
@@ -56,28 +59,12 @@ namespace {
 // derived: budget; ten pairs cut the noise to a third.
 constexpr std::size_t kMaxPairs = 10;
 
-bool same_corners(const BoardView& a, const BoardView& b) {
-  if (a.corners_m.size() != b.corners_m.size()) return false;
-  for (std::size_t i = 0; i < a.corners_m.size(); ++i) {
-    if (a.corners_m[i].x_m != b.corners_m[i].x_m || a.corners_m[i].y_m != b.corners_m[i].y_m) {
-      return false;
-    }
-  }
-  return true;
-}
-
 double largest_shift_px(const BoardView& a, const BoardView& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.corners_px.size(); ++i) {
-    largest = std::max(largest, std::hypot(a.corners_px[i].x_px - b.corners_px[i].x_px,
-                                           a.corners_px[i].y_px - b.corners_px[i].y_px));
+    largest = std::max(largest, (a.corners_px[i] - b.corners_px[i]).norm());
   }
   return largest;
-}
-
-bool same_shape(const laser::Scan& a, const laser::Scan& b) {
-  return a.ranges_m.size() == b.ranges_m.size() && a.bearing_min_rad == b.bearing_min_rad &&
-         a.bearing_step_rad == b.bearing_step_rad;
 }
 
 StationaryView mean_of(const std::vector<BoardPair>& pairs, std::size_t first, std::size_t last) {
@@ -85,12 +72,11 @@ StationaryView mean_of(const std::vector<BoardPair>& pairs, std::size_t first, s
   view.board = pairs[first].board;
   view.num_pairs = static_cast<int>(last - first);
   std::vector<laser::Scan> scans;
-  for (auto& corner : view.board.corners_px) corner = {};
+  for (auto& corner : view.board.corners_px) corner.setZero();
   for (std::size_t i = first; i < last; ++i) {
     scans.push_back(pairs[i].scan);
     for (std::size_t k = 0; k < view.board.corners_px.size(); ++k) {
-      view.board.corners_px[k].x_px += pairs[i].board.corners_px[k].x_px / view.num_pairs;
-      view.board.corners_px[k].y_px += pairs[i].board.corners_px[k].y_px / view.num_pairs;
+      view.board.corners_px[k] += pairs[i].board.corners_px[k] / view.num_pairs;
     }
   }
   view.scan = mean_scan(scans);
@@ -102,8 +88,8 @@ std::vector<double> signature(const BoardView& board) {
   std::vector<double> numbers;
   const std::size_t n = board.corners_px.size();
   for (const std::size_t i : {std::size_t{0}, n / 3, n / 2, 2 * n / 3, n - 1}) {
-    numbers.push_back(board.corners_px[i].x_px);
-    numbers.push_back(board.corners_px[i].y_px);
+    numbers.push_back(board.corners_px[i].x());
+    numbers.push_back(board.corners_px[i].y());
   }
   return numbers;
 }
@@ -116,7 +102,7 @@ std::vector<StationaryView> stationary_views(const std::vector<BoardPair>& pairs
   for (std::size_t first = 0; first < pairs.size();) {
     std::size_t last = first + 1;
     while (last < pairs.size() && last - first < kMaxPairs &&
-           same_corners(pairs[first].board, pairs[last].board) &&
+           pairs[first].board.corners_m == pairs[last].board.corners_m &&
            same_shape(pairs[first].scan, pairs[last].scan) &&
            largest_shift_px(pairs[first].board, pairs[last].board) <= shift_max_px &&
            largest_shift_px(pairs[last - 1].board, pairs[last].board) <= shift_max_px) {

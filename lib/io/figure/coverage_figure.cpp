@@ -36,12 +36,10 @@ std::string coverage_figure(const calibration::CameraCalibration& calibration,
   axes.draw("column (px)", "row (px)", canvas);
   const double lengthen = kArrow_px / (scale * std::max(calibration.rms_px, 1e-6));
   for (const calibration::CornerResidual& corner : calibration.residuals) {
-    const double x_px = corner.found_px.x_px, y_px = corner.found_px.y_px;
-    // the position by the model is the found one minus the residual
-    canvas.line(axes.at(x_px, y_px),
-                axes.at(x_px - lengthen * corner.dx_px, y_px - lengthen * corner.dy_px), kArrow,
-                1.0);
-    canvas.circle(axes.at(x_px, y_px), 2.0, kCorner, kCorner);
+    const Eigen::Vector2d found = corner.found_px;
+    const Eigen::Vector2d modelled = found - lengthen * corner.residual_px;
+    canvas.line(axes.at(found.x(), found.y()), axes.at(modelled.x(), modelled.y()), kArrow, 1.0);
+    canvas.circle(axes.at(found.x(), found.y()), 2.0, kCorner, kCorner);
   }
   draw_cross(axes.at(camera.cc_px[0], camera.cc_px[1]), canvas);
   canvas.text({box.x0, 26.0},

@@ -46,10 +46,10 @@ void expect_straight_grid(const BoardView& view, const BoardConfig& board) {
   ASSERT_EQ(view.corners_px.size(), view.corners_m.size());
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
     const double first_px = kMargin_px + kSquare_px - 0.5;
-    EXPECT_NEAR(view.corners_px[i].x_px,
-                first_px + view.corners_m[i].x_m / board.square_m * kSquare_px, 0.02);
-    EXPECT_NEAR(view.corners_px[i].y_px,
-                first_px + view.corners_m[i].y_m / board.square_m * kSquare_px, 0.02);
+    EXPECT_NEAR(view.corners_px[i].x(),
+                first_px + view.corners_m[i].x() / board.square_m * kSquare_px, 0.02);
+    EXPECT_NEAR(view.corners_px[i].y(),
+                first_px + view.corners_m[i].y() / board.square_m * kSquare_px, 0.02);
   }
 }
 
@@ -73,10 +73,10 @@ TEST(Board, AChessboardsFrameStaysRightHandedHoweverItIsTurned) {
     cv::rotate(straight, turned, turn);
     const auto view = find_board(picture_of(turned), board);
     ASSERT_TRUE(view) << turn;
-    const ImagePoint first = view->corners_px[0], along = view->corners_px[7],
-                     down = view->corners_px[40];
-    const double x_x = along.x_px - first.x_px, x_y = along.y_px - first.y_px;
-    const double y_x = down.x_px - first.x_px, y_y = down.y_px - first.y_px;
+    const Eigen::Vector2d first = view->corners_px[0], along = view->corners_px[7],
+                          down = view->corners_px[40];
+    const double x_x = along.x() - first.x(), x_y = along.y() - first.y();
+    const double y_x = down.x() - first.x(), y_y = down.y() - first.y();
     EXPECT_GT(x_x * y_y - x_y * y_x, 0.0) << "z must point into the board's back";
     EXPECT_GT(x_x + x_y, 0.0) << "x must point right or down";
   }
@@ -175,8 +175,8 @@ NamedView look_at(const Eigen::Isometry3d& T_camera_board, double noise_px,
   NamedView view{name, {}};
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const BoardPoint place{column * board.square_m, row * board.square_m};
-      const auto pixel = model.project(T_camera_board * Eigen::Vector3d(place.x_m, place.y_m, 0.0));
+      const Eigen::Vector2d place(column * board.square_m, row * board.square_m);
+      const auto pixel = model.project(T_camera_board * Eigen::Vector3d(place.x(), place.y(), 0.0));
       view.view.corners_m.push_back(place);
       view.view.corners_px.push_back(
           {pixel->x() + random.normal(0.0, noise_px), pixel->y() + random.normal(0.0, noise_px)});
@@ -243,7 +243,7 @@ TEST(CameraCalibration, AViewThatDisagreesIsLeftOutAndNamed) {
   std::vector<NamedView> views = views_of(15, 0.1, 3);
   const CameraCalibration clean = calibrate(views);
   simulation::Random random(4);
-  for (ImagePoint& corner : views[6].view.corners_px) corner.x_px += random.normal(0.0, 3.0);
+  for (Eigen::Vector2d& corner : views[6].view.corners_px) corner.x() += random.normal(0.0, 3.0);
   const CameraCalibration found = calibrate(views);
   EXPECT_EQ(found.num_views, clean.num_views - 1);
   ASSERT_EQ(found.views.size(), views.size());
@@ -295,8 +295,8 @@ TEST(CameraVerdict, NamesTheOneCornerThatWasNeverSeen) {
   std::vector<NamedView> views;
   for (const NamedView& view : views_of(40, 0.1, 31)) {
     bool lower_right = false;
-    for (const ImagePoint& corner : view.view.corners_px) {
-      lower_right = lower_right || (corner.x_px > 255.0 && corner.y_px > 191.0);
+    for (const Eigen::Vector2d& corner : view.view.corners_px) {
+      lower_right = lower_right || (corner.x() > 255.0 && corner.y() > 191.0);
     }
     if (!lower_right) views.push_back(view);
   }
@@ -354,8 +354,8 @@ TEST(ViewSelection, TakesDifferentViewsAndIsRepeatable) {
   for (const NamedView& view : different) {
     for (int i = 0; i < 20; ++i) {  // held still
       views.push_back(view);
-      for (ImagePoint& corner : views.back().view.corners_px) {
-        corner.x_px += random.normal(0.0, 0.1);
+      for (Eigen::Vector2d& corner : views.back().view.corners_px) {
+        corner.x() += random.normal(0.0, 0.1);
       }
     }
   }

@@ -47,14 +47,14 @@ double corner_error_px(const BoardConfig& board, int num_views) {
       double nearest_px = 1e9;
       // a chessboard's frame may be turned by half a turn
       for (const bool turned : {false, true}) {
-        double x_m = view->corners_m[i].x_m, y_m = view->corners_m[i].y_m;
+        double x_m = view->corners_m[i].x(), y_m = view->corners_m[i].y();
         if (turned) {
           x_m = (board.corner_columns() - 1) * board.square_m - x_m;
           y_m = (board.corner_rows() - 1) * board.square_m - y_m;
         }
         const auto truth_px = model.project(T_camera_board * Eigen::Vector3d(x_m, y_m, 0.0));
-        nearest_px = std::min(nearest_px, std::hypot(view->corners_px[i].x_px - truth_px->x(),
-                                                     view->corners_px[i].y_px - truth_px->y()));
+        nearest_px = std::min(nearest_px, std::hypot(view->corners_px[i].x() - truth_px->x(),
+                                                     view->corners_px[i].y() - truth_px->y()));
         if (board.kind == BoardConfig::kCharuco) break;
       }
       sum_px2 += nearest_px * nearest_px;

@@ -82,18 +82,6 @@ struct CalibrateProbabilityOptions {
 /// io::FileError and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_probability(const CalibrateProbabilityOptions& options);
 
-/// `orchard calibrate trunks --images DIR --masks DIR --out MODEL [--config RIG]`.
-struct CalibratePicturesOptions {
-  MaskedPictureOptions pictures;
-  std::string config_path;  ///< rig to start from; empty: the defaults
-  std::string out_path;     ///< empty: overwrites the rig and keeps the old one as .bak
-};
-
-/// Learns the appearance of trunks from pictures with masks and writes it into a rig's YAML, with
-/// the hue interval of the same windows for comparison; returns the exit code. Throws io::FileError
-/// and io::ConfigError, and then writes nothing.
-int run_calibrate_pictures(const CalibratePicturesOptions& options);
-
 /// The colour model written by a calibration.
 enum class ColourChoice {
   kAuto,         ///< the better one by the area under the ROC curve
@@ -129,5 +117,9 @@ struct CalibrateTrunksOptions {
 /// object. Writes them into a rig's YAML, keeping its comments and layout; returns the exit code.
 /// Throws io::FileError and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_trunks(const CalibrateTrunksOptions& options);
+
+/// The same from pictures with masks: learns the appearance of trunks, with the hue interval of the
+/// same windows for comparison.
+int run_calibrate_pictures(const CalibrateTrunksOptions& options);
 
 }  // namespace orchard::cli

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/calibrate.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -57,10 +57,11 @@ class Search {
       found_.width_px = picture.width_px;
       found_.height_px = picture.height_px;
     } else if (picture.width_px != found_.width_px || picture.height_px != found_.height_px) {
-      throw io::FileError(name + ": its size is " + size(picture.width_px, picture.height_px) +
-                          " pixels, but that of " + first_name_ + " is " +
-                          size(found_.width_px, found_.height_px) +
-                          "; give pictures of one camera and one size");
+      throw io::FileError(fmt::format(
+          "{}: its size is {} x {} pixels, but that of {} is {} x {}; give pictures of one camera "
+          "and one size",
+          name, picture.width_px, picture.height_px, first_name_, found_.width_px,
+          found_.height_px));
     }
     if (auto view = calibration::find_board(picture, board_)) {
       found_.views.push_back({name, std::move(*view)});
@@ -70,10 +71,6 @@ class Search {
   }
 
  private:
-  static std::string size(int width_px, int height_px) {
-    return std::to_string(width_px) + " x " + std::to_string(height_px);
-  }
-
   const calibration::BoardConfig& board_;
   BoardViews& found_;
   std::string first_name_;
@@ -179,12 +176,12 @@ BoardViews find_board_views(const std::vector<std::string>& paths,
   }
   if (found.views.empty()) {
     const bool chess = board.kind == calibration::BoardConfig::kChessboard;
-    throw io::FileError(
-        "no board was found in any of the " + std::to_string(found.without_board.size()) +
-        " pictures (the first is " + found.without_board.front() + "); show a " +
-        (chess ? "chessboard" : "ChArUco board") + " of " + std::to_string(board.columns) + " x " +
-        std::to_string(board.rows) + (chess ? " inner corners" : " squares") +
-        " (--columns, --rows) entirely in view, sharp and with a white margin");
+    throw io::FileError(fmt::format(
+        "no board was found in any of the {} pictures (the first is {}); show a {} of {} x {} {} "
+        "(--columns, --rows) entirely in view, sharp and with a white margin",
+        found.without_board.size(), found.without_board.front(),
+        chess ? "chessboard" : "ChArUco board", board.columns, board.rows,
+        chess ? "inner corners" : "squares"));
   }
   return found;
 }
@@ -194,15 +191,6 @@ struct RigTarget {
   std::string config_path;  ///< rig to start from; empty: none
   std::string out_path;     ///< empty: do not write
 };
-
-template <std::size_t N>
-std::string list(const std::array<double, N>& numbers, int digits) {
-  std::string text = "[";
-  for (std::size_t i = 0; i < N; ++i) {
-    text += (i > 0 ? ", " : "") + fixed_text(numbers[i], digits);
-  }
-  return text + "]";
-}
 
 /// Resolves the options: --out is the file to write (default: --config, in place), --config the one
 /// to start from (default: --out when it exists). Throws io::ConfigError when that is not a rig's
@@ -224,21 +212,20 @@ void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camer
   const io::Config config = io::load_config(target.config_path);
   const geometry::CameraIntrinsics& rig = config.camera.intrinsics;
   if (rig.width_px == camera.width_px && rig.height_px == camera.height_px) return;
-  throw io::FileError(
-      target.config_path + ": camera.width_px x height_px is " + std::to_string(rig.width_px) +
-      " x " + std::to_string(rig.height_px) + ", but the size of " + what + " is " +
-      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
-      "; give the configuration of this camera, correct its size, or replace it with --force");
+  throw io::FileError(fmt::format(
+      "{}: camera.width_px x height_px is {} x {}, but the size of {} is {} x {}; give the "
+      "configuration of this camera, correct its size, or replace it with --force",
+      target.config_path, rig.width_px, rig.height_px, what, camera.width_px, camera.height_px));
 }
 
 /// The lens parameters as values for a rig's YAML.
 std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& camera) {
   return {{"camera.width_px", std::to_string(camera.width_px)},
           {"camera.height_px", std::to_string(camera.height_px)},
-          {"camera.fc_px", list(camera.fc_px, 3)},
-          {"camera.cc_px", list(camera.cc_px, 3)},
+          {"camera.fc_px", fixed_list(camera.fc_px, 3)},
+          {"camera.cc_px", fixed_list(camera.cc_px, 3)},
           {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
-          {"camera.kc", list(camera.kc, 6)}};
+          {"camera.kc", fixed_list(camera.kc, 6)}};
 }
 
 /// Writes the lens parameters into the rig, with a note on their source. Throws io::FileError and
@@ -302,16 +289,13 @@ void print_calibration(const CameraCalibration& calibration) {
       most_m);
   print_coverage(calibration);
   const geometry::CameraIntrinsics& camera = calibration.intrinsics;
-  std::printf("focal length     %s, %s px\n",
-              pm(camera.fc_px[0], calibration.fc_sd_px[0], 2).c_str(),
-              pm(camera.fc_px[1], calibration.fc_sd_px[1], 2).c_str());
-  std::printf("principal point  %s, %s px\n",
-              pm(camera.cc_px[0], calibration.cc_sd_px[0], 2).c_str(),
-              pm(camera.cc_px[1], calibration.cc_sd_px[1], 2).c_str());
+  fmt::print("focal length     {}, {} px\n", pm(camera.fc_px[0], calibration.fc_sd_px[0], 2),
+             pm(camera.fc_px[1], calibration.fc_sd_px[1], 2));
+  fmt::print("principal point  {}, {} px\n", pm(camera.cc_px[0], calibration.cc_sd_px[0], 2),
+             pm(camera.cc_px[1], calibration.cc_sd_px[1], 2));
   constexpr std::array<const char*, 5> kNames{"k1", "k2", "p1", "p2", "k3"};
   for (std::size_t i = 0; i < kNames.size(); ++i) {
-    std::printf("%s               %s\n", kNames[i],
-                pm(camera.kc[i], calibration.kc_sd[i], 5).c_str());
+    fmt::print("{}               {}\n", kNames[i], pm(camera.kc[i], calibration.kc_sd[i], 5));
   }
   std::printf("(+- one standard deviation); reprojection error %.3f px\n", calibration.rms_px);
 }
@@ -329,23 +313,16 @@ void warn_of_pictures_without_board(const BoardViews& found) {
       found.without_board.size(), found.without_board.size() + found.views.size(), names.c_str());
 }
 
-std::string board_text(const calibration::BoardConfig& board) {
-  const bool chess = board.kind == calibration::BoardConfig::kChessboard;
-  return (chess ? "chessboard " : "ChArUco board ") + std::to_string(board.columns) + " x " +
-         std::to_string(board.rows) + " of " + fixed_text(1e3 * board.square_m, 1) + " mm";
-}
-
 std::string note_of(const CameraCalibration& calibration, const std::string& source,
                     const calibration::BoardConfig& board, std::size_t num_reasons) {
-  std::string note = std::to_string(calibration.num_views) + " views in " + source + ", " +
-                     board_text(board) + ", rms " + fixed_text(calibration.rms_px, 3) +
-                     " px; sd fc " + fixed_text(calibration.fc_sd_px[0], 2) + ", " +
-                     fixed_text(calibration.fc_sd_px[1], 2) + ", cc " +
-                     fixed_text(calibration.cc_sd_px[0], 2) + ", " +
-                     fixed_text(calibration.cc_sd_px[1], 2) + " px";
-  if (num_reasons > 0) {
-    note += "; FORCED despite " + std::to_string(num_reasons) + " failed checks";
-  }
+  const bool chess = board.kind == calibration::BoardConfig::kChessboard;
+  std::string note = fmt::format(
+      "{} views in {}, {} {} x {} of {:.1f} mm, rms {:.3f} px; sd fc {:.2f}, {:.2f}, cc {:.2f}, "
+      "{:.2f} px",
+      calibration.num_views, source, chess ? "chessboard" : "ChArUco board", board.columns,
+      board.rows, 1e3 * board.square_m, calibration.rms_px, calibration.fc_sd_px[0],
+      calibration.fc_sd_px[1], calibration.cc_sd_px[0], calibration.cc_sd_px[1]);
+  if (num_reasons > 0) note += fmt::format("; FORCED despite {} failed checks", num_reasons);
   return note;
 }
 
@@ -411,14 +388,10 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
 
   calibration::CameraCalibrationOptions how;
   how.estimate_k3 = options.estimate_k3;
-  CameraCalibration calibration;
-  try {
-    calibration =
-        calibration::calibrate_camera(selected_views(found, options.max_views, options.quiet),
-                                      found.width_px, found.height_px, how);
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(found.source + ": " + error.what());
-  }
+  const CameraCalibration calibration = naming(found.source, [&] {
+    return calibration::calibrate_camera(selected_views(found, options.max_views, options.quiet),
+                                         found.width_px, found.height_px, how);
+  });
   if (!options.quiet) print_calibration(calibration);
   if (draws) {
     io::write_file_atomically(options.coverage_path, io::coverage_figure(calibration, format));

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <optional>
 #include <set>
-#include <stdexcept>
 
 #include "bus/process/process.hpp"
 #include "cli/calibrate/calibration_run.hpp"
@@ -29,37 +28,33 @@ constexpr double kMaxLaserSd_s = 0.02;
 /// A camera rotation above this is reported: the extrinsics need a calibration.
 constexpr double kOffsetWorthTelling_deg = 0.3;
 
-struct Round {
+std::vector<calibration::DelayObservation> observe_logs(const CalibrateDelayOptions& options,
+                                                        const io::Config& config,
+                                                        std::set<std::string>& warnings) {
   std::vector<calibration::DelayObservation> observations;
-  int num_pairs = 0;
-  int num_moving = 0;
-};
-
-Round observe_logs(const CalibrateDelayOptions& options, const io::Config& config,
-                   std::set<std::string>& warnings) {
-  Round round;
+  int num_pairs = 0, num_moving = 0;
   std::int32_t next_picture = 0;
   for (const std::string& path : options.log_paths) {
     DelayCollector collector(config, next_picture);
     replay_log("orchard calibrate delay", path, {&collector}, options.quiet, warnings);
-    round.observations.insert(round.observations.end(), collector.observations().begin(),
-                              collector.observations().end());
-    round.num_pairs += collector.num_pairs();
-    round.num_moving += collector.num_moving();
+    observations.insert(observations.end(), collector.observations().begin(),
+                        collector.observations().end());
+    num_pairs += collector.num_pairs();
+    num_moving += collector.num_moving();
     next_picture = collector.next_picture();
   }
   const std::string& name = options.log_paths.front();
-  if (round.num_pairs == 0) {
+  if (num_pairs == 0) {
     throw io::FileError(name +
                         " has no scan with a picture of the same time; the delay of the camera is "
                         "measured from such pairs (see `orchard log info`)");
   }
-  if (round.num_moving == 0) {
+  if (num_moving == 0) {
     throw io::FileError(name +
                         " has no ODOMETRY at the times of its pictures; it is needed for the "
                         "rotation of the robot (see `orchard log info`)");
   }
-  return round;
+  return observations;
 }
 
 /// Compares the motion of a log's scans with its wheels'; sends nothing.
@@ -104,22 +99,17 @@ void print(const calibration::DelayEstimate& e, double delay_s, const io::Config
 int measure_camera(const CalibrateDelayOptions& options, io::Config config) {
   calibration::DelayEstimate estimate;
   std::set<std::string> warnings;
-  try {
-    for (int round = 0; round < kMaxRounds; ++round) {
-      estimate =
-          calibration::estimate_delay(observe_logs(options, config, warnings).observations, {});
-      config.camera.delay_s += estimate.delay_s;
-      if (std::abs(config.camera.delay_s) > 0.5) {
-        throw std::runtime_error(
-            "the estimated delay, " + fixed_text(config.camera.delay_s, 3) +
-            " s, exceeds 0.5 s; check whether camera and laser use the same clock");
-      }
-      if (std::abs(estimate.delay_s) < kSettled_s) break;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const auto observations = observe_logs(options, config, warnings);
+    estimate = naming(options.log_paths.front(),
+                      [&] { return calibration::estimate_delay(observations, {}); });
+    config.camera.delay_s += estimate.delay_s;
+    if (std::abs(config.camera.delay_s) > 0.5) {
+      throw io::FileError(options.log_paths.front() + ": the estimated delay, " +
+                          fixed_text(config.camera.delay_s, 3) +
+                          " s, exceeds 0.5 s; check whether camera and laser use the same clock");
     }
-  } catch (const io::FileError&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(options.log_paths.front() + ": " + error.what());
+    if (std::abs(estimate.delay_s) < kSettled_s) break;
   }
   if (!options.quiet) print(estimate, config.camera.delay_s, config);
   if (std::abs(degrees(estimate.offset_px, config)) > kOffsetWorthTelling_deg) {

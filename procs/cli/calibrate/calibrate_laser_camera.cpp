@@ -2,6 +2,7 @@
 #include "cli/calibrate/calibrate.hpp"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -13,48 +14,39 @@
 #include <utility>
 #include <vector>
 
-#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
 #include "calibration/board/board.hpp"
 #include "calibration/extrinsics/extrinsics_import.hpp"
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "calibration/extrinsics/stationary_views.hpp"
 #include "cli/calibrate/calibration_run.hpp"
-#include "detection/scan_image_pairer.hpp"
+#include "cli/pair_node.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::cli {
 namespace {
 
-/// A node that detects a calibration board in a log's scan-image pairs; sends nothing.
-class BoardCollector : public bus::Node {
+/// Detects a calibration board in a log's scan-image pairs.
+class BoardCollector : public PairNode {
  public:
   BoardCollector(const io::Config& config, const calibration::BoardConfig& board)
-      : intrinsics_(config.camera.intrinsics),
-        board_(board),
-        pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s) {}
+      : PairNode({bus::Channel::kScan, bus::Channel::kImage},
+                 {config.detector.pairing_tolerance_s, config.detector.image_wait_s}),
+        intrinsics_(config.camera.intrinsics),
+        board_(board) {}
 
-  std::string_view name() const override { return "calibration"; }
-  std::vector<bus::Channel> inputs() const override {
-    return {bus::Channel::kScan, bus::Channel::kImage};
-  }
-  void handle(const bus::Message& input, const bus::Outbox&) override {
-    if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-      ++num_scans_;
-      for (const auto& pair : pairer_.add(*scan)) observe(pair);
-    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+  void handle(const bus::Message& input, const bus::Outbox& send) override {
+    if (std::holds_alternative<laser::Scan>(input)) ++num_scans_;
+    if (const auto* image = std::get_if<vision::Image>(&input)) {
       ++num_images_;
       if (image->width_px != intrinsics_.width_px || image->height_px != intrinsics_.height_px) {
         ++num_wrong_size_;
         wrong_size_ = std::to_string(image->width_px) + "x" + std::to_string(image->height_px);
         return;
       }
-      for (const auto& pair : pairer_.add(*image)) observe(pair);
     }
-  }
-  void flush(const bus::Outbox&) override {
-    for (const auto& pair : pairer_.flush()) observe(pair);
+    PairNode::handle(input, send);
   }
 
   /// The pairs with the board in their picture, in order of time.
@@ -70,7 +62,7 @@ class BoardCollector : public bus::Node {
   const std::string& wrong_size() const { return wrong_size_; }
 
  private:
-  void observe(const detection::ScanImagePair& pair) {
+  void observe(detection::ScanImagePair pair) override {
     if (!pair.image) return;
     ++num_pairs_;
     const auto grey = calibration::grey_of(*pair.image);
@@ -79,13 +71,12 @@ class BoardCollector : public bus::Node {
       return;
     }
     if (auto board = calibration::find_board(*grey, board_)) {
-      pairs_.push_back({pair.scan, std::move(*board)});
+      pairs_.push_back({std::move(pair.scan), std::move(*board)});
     }
   }
 
   geometry::CameraIntrinsics intrinsics_;
   calibration::BoardConfig board_;
-  detection::ScanImagePairer pairer_;
   std::vector<calibration::BoardPair> pairs_;
   int num_scans_ = 0;
   int num_images_ = 0;
@@ -102,10 +93,6 @@ constexpr double kDeg = 3.14159265358979323846 / 180.0;
 /// Max motion of the corners of a still board between two pictures, as a fraction of the image
 /// width.
 constexpr double kStillShift = 0.8 / 320.0;
-
-std::string three(const std::array<double, 3>& values) {
-  return fmt::format("[{:.5f}, {:.5f}, {:.5f}]", values[0], values[1], values[2]);
-}
 
 /// The usable views of a log; prints the reasons for rejecting others.
 std::vector<calibration::StationaryView> read_views(const CalibrateLaserCameraOptions& options,
@@ -204,10 +191,9 @@ void print_views(const calibration::LaserCameraCalibration& result,
 }
 
 bool has_outlier(const calibration::LaserCameraCalibration& result) {
-  for (const LaserCameraView& view : result.views) {
-    if (view.status == LaserCameraView::ViewStatus::kOutlier) return true;
-  }
-  return false;
+  return std::any_of(result.views.begin(), result.views.end(), [](const LaserCameraView& view) {
+    return view.status == LaserCameraView::ViewStatus::kOutlier;
+  });
 }
 
 void print_result(const calibration::LaserCameraCalibration& result) {
@@ -215,10 +201,11 @@ void print_result(const calibration::LaserCameraCalibration& result) {
   std::printf("%d of %zu views used; their scan points are %.1f mm (RMS) from the boards\n",
               result.num_used, result.views.size(), 1e3 * result.rms_m);
   std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera axes x, y, z)\n",
-              three(result.extrinsics.delta_m).c_str(), 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2));
+              fixed_list(result.extrinsics.delta_m, 5).c_str(), 1e3 * sd(0), 1e3 * sd(1),
+              1e3 * sd(2));
   std::printf(
       "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (about the camera axes x, y, z)\n",
-      three(result.extrinsics.phi_rad).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
+      fixed_list(result.extrinsics.phi_rad, 5).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
   std::printf("95 %% confidence interval: +- %.2f standard deviations\n", result.interval95_factor);
 }
 
@@ -230,8 +217,8 @@ RigidExtrinsics mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
 void write(const CalibrateLaserCameraOptions& options,
            const geometry::LaserCameraExtrinsics& extrinsics, const std::string& note) {
   write_rig(options.config_path, options.out_path,
-            {{"camera.delta_m", three(extrinsics.delta_m)},
-             {"camera.phi_rad", three(extrinsics.phi_rad)}},
+            {{"camera.delta_m", fixed_list(extrinsics.delta_m, 5)},
+             {"camera.phi_rad", fixed_list(extrinsics.phi_rad, 5)}},
             "orchard calibrate laser-camera", note, options.quiet);
 }
 
@@ -254,8 +241,8 @@ int import_file(const CalibrateLaserCameraOptions& options) {
     throw io::FileError(options.import_path + " " + error.what());
   }
   if (!options.quiet) {
-    std::printf("delta_m %s\nphi_rad %s\n", three(extrinsics.delta_m).c_str(),
-                three(extrinsics.phi_rad).c_str());
+    std::printf("delta_m %s\nphi_rad %s\n", fixed_list(extrinsics.delta_m, 5).c_str(),
+                fixed_list(extrinsics.phi_rad, 5).c_str());
   }
   write(options, extrinsics,
         "imported from " + std::filesystem::path(options.import_path).filename().string() +

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <cstdio>
 #include <filesystem>
-#include <stdexcept>
 #include <vector>
 
 #include "bus/process/process.hpp"
@@ -61,7 +60,7 @@ void add_hue_interval(const vision::HueHistogram& hues, std::vector<io::ConfigVa
 }
 
 std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& count,
-                    const CalibratePicturesOptions& options) {
+                    const CalibrateTrunksOptions& options) {
   std::string from = std::filesystem::path(options.pictures.picture_folder).lexically_normal();
   if (!options.pictures.only.empty()) from += " " + options.pictures.only;
   return from + fmt::format(
@@ -73,19 +72,16 @@ std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& c
 
 }  // namespace
 
-int run_calibrate_pictures(const CalibratePicturesOptions& options) {
+int run_calibrate_pictures(const CalibrateTrunksOptions& options) {
   const io::Config config =
       options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
   Lessons lessons;
   const PictureCount count =
-      for_each_masked_picture(options.pictures, kCommand,
+      for_each_masked_picture(options.pictures, kCommand, options.quiet,
                               [&](const PictureWindows& picture) { learn_from(picture, lessons); });
-  calibration::AppearanceFit fit;
-  try {
-    fit = calibration::learn_appearance(lessons.samples);
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(options.pictures.picture_folder + ": " + error.what());
-  }
+  calibration::AppearanceFit fit = naming(options.pictures.picture_folder, [&] {
+    return calibration::learn_appearance(lessons.samples);
+  });
   fit.config.confidence_min = config.detector.appearance.confidence_min;
   if (count.num_groups < 2) {
     std::fprintf(stderr,
@@ -97,9 +93,9 @@ int run_calibrate_pictures(const CalibratePicturesOptions& options) {
   std::vector<io::ConfigValue> values = appearance_values(fit.config);
   add_hue_interval(lessons.hues, values);
   const std::string note = note_of(fit, count, options);
-  if (!options.pictures.quiet) std::printf("%s\n", note.c_str());
+  if (!options.quiet) std::printf("%s\n", note.c_str());
   write_rig(options.config_path, options.out_path, values, "orchard calibrate trunks", note,
-            options.pictures.quiet);
+            options.quiet);
   return bus::kExitOk;
 }
 

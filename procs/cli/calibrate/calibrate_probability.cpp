@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/calibrate.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -96,10 +97,10 @@ void require_same_log(const LandmarkSamples& found, const std::vector<Landmark>&
   std::int64_t num_mapped = 0;
   for (const Landmark& landmark : landmarks) num_mapped += landmark.num_observations;
   if (2 * std::int64_t{found.num_fitting} < num_mapped) {
-    throw io::FileError("only " + std::to_string(found.num_fitting) + " detections of " +
-                        mapped.log_path + " are at a landmark of " + mapped.map_folder +
-                        ", whose landmarks have " + std::to_string(num_mapped) +
-                        " observations; give the map of this log, in its own frame");
+    throw io::FileError(
+        fmt::format("only {} detections of {} are at a landmark of {}, whose landmarks have {} "
+                    "observations; give the map of this log, in its own frame",
+                    found.num_fitting, mapped.log_path, mapped.map_folder, num_mapped));
   }
   const std::size_t num_detections =
       found.samples.size() + static_cast<std::size_t>(found.num_doubtful);
@@ -113,11 +114,10 @@ void require_same_log(const LandmarkSamples& found, const std::vector<Landmark>&
 
 void require_both_classes(const LandmarkSamples& found, const MappedLog& mapped) {
   if (found.num_trees > 0 && found.num_objects > 0) return;
-  throw io::FileError("of the landmarks of " + mapped.map_folder + " that are observed in " +
-                      mapped.log_path + ", " + std::to_string(found.num_trees) + " are trees and " +
-                      std::to_string(found.num_objects) +
-                      " objects, but both are needed; name the trees with --ids, or correct the "
-                      "classes with `orchard edit`");
+  throw io::FileError(fmt::format(
+      "of the landmarks of {} that are observed in {}, {} are trees and {} objects, but both are "
+      "needed; name the trees with --ids, or correct the classes with `orchard edit`",
+      mapped.map_folder, mapped.log_path, found.num_trees, found.num_objects));
 }
 
 /// Labels the detections of a log by the landmarks of its map, with the corrections saved beside

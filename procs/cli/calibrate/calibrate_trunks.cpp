@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -15,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "bus/node/node.hpp"
 #include "bus/process/process.hpp"
 #include "calibration/trunks/landmark_outcomes.hpp"
 #include "calibration/trunks/probability_learner.hpp"
@@ -24,8 +22,7 @@
 #include "calibration/trunks/trunk_selection.hpp"
 #include "cli/calibrate/calibration_run.hpp"
 #include "cli/evaluate/detection_log.hpp"
-#include "detection/scan_image_pairer.hpp"
-#include "geometry/angles.hpp"
+#include "cli/pair_node.hpp"
 #include "geometry/pose2.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
@@ -33,6 +30,7 @@
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/map/map_csv.hpp"
+#include "mapping/pose_track.hpp"
 #include "pose/pose_estimate.hpp"
 #include "pose/pose_node.hpp"
 #include "text/number_text.hpp"
@@ -43,62 +41,30 @@ namespace {
 /// Min number of beams: the width of narrower objects is unreliable.
 constexpr int kMinBeams = 4;
 
-using geometry::Pose2;
-
-std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::int64_t utime,
-                             std::int64_t gap_max_us) {
-  const auto after = std::lower_bound(
-      poses.begin(), poses.end(), utime,
-      [](const pose::PoseEstimate& pose, std::int64_t t) { return pose.utime < t; });
-  if (after == poses.end()) return std::nullopt;
-  if (after->utime == utime) return Pose2{after->x_m, after->y_m, after->yaw_rad};
-  if (after == poses.begin()) return std::nullopt;
-  const pose::PoseEstimate &a = *(after - 1), &b = *after;
-  if (b.utime - a.utime > gap_max_us) return std::nullopt;
-  const double fraction =
-      static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
-  return Pose2{a.x_m + fraction * (b.x_m - a.x_m), a.y_m + fraction * (b.y_m - a.y_m),
-               a.yaw_rad + fraction * geometry::wrap_angle_rad(b.yaw_rad - a.yaw_rad)};
-}
-
-/// A node that collects all objects of a log's scan-image pairs for calibration; sends nothing.
-class TrunkCollector : public bus::Node {
+/// Collects all objects of a log's scan-image pairs for calibration.
+class TrunkCollector : public PairNode {
  public:
   TrunkCollector(const io::Config& config, int log, bool crops = false)
-      : rig_(config.laser, config.camera, config.detector),
-        pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, false,
-                config.camera.delay_s),
-        pose_gap_max_us_(std::llround(config.mapper.pose_gap_max_s * 1e6)),
+      : PairNode(inputs_of(config), {config.detector.pairing_tolerance_s,
+                                     config.detector.image_wait_s, false, config.camera.delay_s}),
+        rig_(config.laser, config.camera, config.detector),
+        path_(config.mapper.pose_gap_max_s),
         log_(log),
         crops_(crops) {}
 
-  std::string_view name() const override { return "calibration"; }
-  std::vector<bus::Channel> inputs() const override {
-    std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kPose};
-    if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
-    return channels;
-  }
-  void handle(const bus::Message& input, const bus::Outbox&) override {
-    if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
-      poses_.push_back(*pose);
-    } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-      if (!rig_.has_camera) return observe({*scan, nullptr, std::nullopt});
-      for (const auto& pair : pairer_.add(*scan)) observe(pair);
-    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-      for (const auto& pair : pairer_.add(*image)) observe(pair);
-    }
-  }
-  void flush(const bus::Outbox&) override {
-    for (const auto& pair : pairer_.flush()) observe(pair);
+  void handle(const bus::Message& input, const bus::Outbox& send) override {
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) path_.add(*pose);
+    PairNode::handle(input, send);
   }
 
   /// All observations in order of time; in the map frame where poses around their time are known.
   std::vector<calibration::TrunkObservation> observations() const {
     std::vector<calibration::TrunkObservation> observations = in_base_;
     for (calibration::TrunkObservation& observation : observations) {
-      const auto T_map_base = pose_at(poses_, observation.utime, pose_gap_max_us_);
-      if (!T_map_base) continue;
-      const Eigen::Vector2d p_map = transform(*T_map_base, {observation.x_m, observation.y_m});
+      const auto pose = path_.at(observation.utime);
+      if (!pose) continue;
+      const Eigen::Vector2d p_map = geometry::transform(
+          geometry::Pose2{pose->x_m, pose->y_m, pose->yaw_rad}, {observation.x_m, observation.y_m});
       observation.x_m = p_map.x();
       observation.y_m = p_map.y();
       observation.in_map = true;
@@ -106,11 +72,16 @@ class TrunkCollector : public bus::Node {
     return observations;
   }
   /// All poses of the log, in order of time.
-  const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
+  std::vector<pose::PoseEstimate> poses() const { return path_.poses(); }
   int num_pairs() const { return num_pairs_; }
 
  private:
-  void observe(const detection::ScanImagePair& pair) {
+  static std::vector<bus::Channel> inputs_of(const io::Config& config) {
+    std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kPose};
+    if (config.camera.enabled) channels.push_back(bus::Channel::kImage);
+    return channels;
+  }
+  void observe(detection::ScanImagePair pair) override {
     if (pair.image || !rig_.has_camera) ++num_pairs_;
     calibration::ObserveOptions options;
     options.min_beams = kMinBeams;
@@ -122,13 +93,11 @@ class TrunkCollector : public bus::Node {
   }
 
   detection::Rig rig_;
-  detection::ScanImagePairer pairer_;
-  std::int64_t pose_gap_max_us_;
+  mapping::PoseTrack path_;  ///< T_map_base
   int log_;
   bool crops_;
   int num_pairs_ = 0;
   std::vector<calibration::TrunkObservation> in_base_;
-  std::vector<pose::PoseEstimate> poses_;  ///< in order of utime
 };
 
 /// The drives of a trunk model: one log and one path each.
@@ -415,26 +384,19 @@ std::vector<io::ConfigValue> values_of(const calibration::TrunkModel& model) {
 }  // namespace
 
 int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
-  if (!options.pictures.picture_folder.empty()) {
-    CalibratePicturesOptions pictures{options.pictures, options.config_path, options.out_path};
-    pictures.pictures.quiet = options.quiet;
-    return run_calibrate_pictures(pictures);
-  }
+  if (!options.pictures.picture_folder.empty()) return run_calibrate_pictures(options);
   const io::Config config = io::load_config(options.config_path);
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives past trunks");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
   const TrunkDrives drives = observe_logs(options, config);
   const auto& observations = drives.observations;
-  calibration::TrunkModel model;
-  try {
-    model = calibration::estimate_trunk_model(observations, rules);
-    if (options.colour_model != ColourChoice::kHueInterval) {
-      model = calibration::select_trunks(observations, model, rules);
-    }
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(options.log_paths.front() + ": " + error.what());
-  }
+  const calibration::TrunkModel model = naming(options.log_paths.front(), [&] {
+    const auto by_width = calibration::estimate_trunk_model(observations, rules);
+    return options.colour_model == ColourChoice::kHueInterval
+               ? by_width
+               : calibration::select_trunks(observations, by_width, rules);
+  });
   if (!options.list_folder.empty()) {
     write_trunk_list(options.list_folder, model, observations);
     std::printf(

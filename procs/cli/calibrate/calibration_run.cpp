@@ -2,13 +2,13 @@
 #include "cli/calibrate/calibration_run.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "bus/process/process.hpp"
@@ -71,19 +71,11 @@ std::vector<int> picked_ids(const std::string& text,
                       "; choose ids from the column id of this file");
 }
 
-namespace {
-
-std::string number(double value) { return fmt::format("{:.6g}", value); }
-
-std::string list(const std::vector<double>& values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + number(value);
-  return text + "]";
-}
-
-}  // namespace
-
 std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& config) {
+  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+  const auto list = [](const std::vector<double>& values) {
+    return fmt::format("[{:.6g}]", fmt::join(values, ", "));
+  };
   return {{"detector.colour_model", "appearance"},
           {"detector.appearance.version", std::to_string(config.version)},
           {"detector.appearance.confidence_min", number(config.confidence_min)},
@@ -94,24 +86,12 @@ std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& c
           {"detector.appearance.squares", list(config.squares)}};
 }
 
-namespace {
-
-std::string list_text(const std::vector<double>& values) {
-  std::string text = "[";
-  for (const double value : values) {
-    text += (text.size() > 1 ? ", " : "") + fixed_text(value, 4);
-  }
-  return text + "]";
-}
-
-}  // namespace
-
 std::vector<io::ConfigValue> probability_values(const calibration::ProbabilityFit& fit) {
   return {{"detector.probability.enabled", "true"},
-          {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},
-          {"detector.probability.judged_object", list_text(fit.config.judged_object)},
-          {"detector.probability.laser_tree", list_text(fit.config.laser_tree)},
-          {"detector.probability.laser_object", list_text(fit.config.laser_object)},
+          {"detector.probability.judged_tree", fixed_list(fit.config.judged_tree, 4)},
+          {"detector.probability.judged_object", fixed_list(fit.config.judged_object, 4)},
+          {"detector.probability.laser_tree", fixed_list(fit.config.laser_tree, 4)},
+          {"detector.probability.laser_object", fixed_list(fit.config.laser_object, 4)},
           {"mapper.evidence_prior", fixed_text(fit.prior, 3)},
           {"mapper.evidence_base_rate", fixed_text(fit.base_rate, 3)},
           {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}};
@@ -230,12 +210,8 @@ int write_probability(const CalibrateProbabilityOptions& options, const io::Conf
                       const std::vector<ProbabilitySample>& samples) {
   calibration::ProbabilityLearnOptions rules;
   rules.width_mean_m = config.detector.width.mean_m;
-  ProbabilityFit fit;
-  try {
-    fit = calibration::learn_probability(samples, rules);
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(options.log_paths.front() + ": " + error.what());
-  }
+  const ProbabilityFit fit = naming(options.log_paths.front(),
+                                    [&] { return calibration::learn_probability(samples, rules); });
   const double error = left_out_error(samples, fit);
   if (!options.quiet) print_fit(fit, error);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,9 @@
 #include "cli/calibrate/calibrate.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
 #include "mapping/landmark.hpp"
+#include "text/number_text.hpp"
 #include "vision/appearance_config.hpp"
 
 namespace orchard::cli {
@@ -20,6 +23,28 @@ namespace orchard::cli {
 /// io::FileError.
 void replay_log(const char* command, const std::string& path, const std::vector<bus::Node*>& nodes,
                 bool quiet, std::set<std::string>& said);
+
+/// Runs a computation on `input`, which an error of it then names: io::FileError.
+template <class Function>
+auto naming(const std::string& input, const Function& compute) {
+  try {
+    return compute();
+  } catch (const io::FileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(input + ": " + error.what());
+  }
+}
+
+/// "[0.100, -0.250]" as a value for a rig's YAML.
+template <class Numbers>
+std::string fixed_list(const Numbers& numbers, int num_decimals) {
+  std::string text = "[";
+  for (const double number : numbers) {
+    text += (text.size() > 1 ? ", " : "") + fixed_text(number, num_decimals);
+  }
+  return text + "]";
+}
 
 /// The logs of a calibration for its note: "drive.lcm and 2 more".
 std::string logs_text(const std::vector<std::string>& log_paths);

@@ -15,30 +15,14 @@ constexpr double kReach_deg = 6.0;
 }  // namespace
 
 DelayCollector::DelayCollector(const io::Config& config, std::int32_t first_picture)
-    : rig_(config.laser, config.camera, config.detector),
-      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, true,
-              config.camera.delay_s),
+    : PairNode({bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry},
+               {config.detector.pairing_tolerance_s, config.detector.image_wait_s, true,
+                config.camera.delay_s}),
+      rig_(config.laser, config.camera, config.detector),
       reach_px_(config.camera.intrinsics.fc_px[0] * std::tan(kReach_deg * geometry::kPi / 180.0)),
       next_picture_(first_picture) {}
 
-void DelayCollector::handle(const bus::Message& input, const bus::Outbox&) {
-  std::vector<detection::ScanImagePair> pairs;
-  if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    pairs = pairer_.add(*scan);
-  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-    pairs = pairer_.add(*image);
-  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
-    pairs = pairer_.add(
-        detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
-  }
-  for (const auto& pair : pairs) observe(pair);
-}
-
-void DelayCollector::flush(const bus::Outbox&) {
-  for (const auto& pair : pairer_.flush()) observe(pair);
-}
-
-void DelayCollector::observe(const detection::ScanImagePair& pair) {
+void DelayCollector::observe(detection::ScanImagePair pair) {
   if (!pair.image) return;
   ++num_pairs_;
   if (!pair.motion) return;

@@ -21,6 +21,7 @@ std::uint64_t seed_of(const std::string& name, std::uint64_t seed) {
 }  // namespace
 
 PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const char* command,
+                                     bool quiet,
                                      const std::function<void(const PictureWindows&)>& visit) {
   const io::MaskedPictureList list =
       io::list_masked_pictures(options.picture_folder, options.mask_folder, options.only);
@@ -29,7 +30,7 @@ PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const 
     count.left_out.push_back(name + ": has no mask of the same name in " + options.mask_folder);
   }
   std::map<std::int64_t, int> group_of_size;
-  io::ProgressBar bar("reading pictures", !options.quiet);
+  io::ProgressBar bar("reading pictures", !quiet);
   std::uint64_t done = 0;
   for (const io::MaskedPicturePaths& paths : list.pictures) {
     bar.update(done++, list.pictures.size());

@@ -16,7 +16,6 @@ struct MaskedPictureOptions {
   std::string mask_folder;
   std::string only;  ///< "000-019"; empty = all
   calibration::MaskWindowOptions windows;
-  bool quiet = false;  ///< no progress bar
 };
 
 /// A picture with its windows.
@@ -40,6 +39,7 @@ struct PictureCount {
 /// warning if it has no mask, cannot be read or has no windows; throws io::FileError when none is
 /// left. The positions of a picture's windows depend only on its name and the seed.
 PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const char* command,
+                                     bool quiet,
                                      const std::function<void(const PictureWindows&)>& visit);
 
 }  // namespace orchard::cli

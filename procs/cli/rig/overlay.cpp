@@ -11,8 +11,8 @@
 
 #include "bus/process/process.hpp"
 #include "bus/replay/replay_index.hpp"
+#include "cli/pair_node.hpp"
 #include "detection/detect.hpp"
-#include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/overlay_figure.hpp"
@@ -32,48 +32,29 @@ constexpr double kAbsoluteFrom = 1e12;
 constexpr double kReach_s = 1.0;
 constexpr double kMargin_s = 1.5;
 
-/// A node that keeps the pair nearest to a time; sends nothing.
-class NearestPair : public bus::Node {
+/// Keeps the pair nearest to a time.
+class NearestPair : public PairNode {
  public:
   /// Without a camera, a scan is enough.
   NearestPair(const io::Config& config, std::int64_t utime)
-      : pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
-                config.detector.use_odometry, config.camera.delay_s),
+      : PairNode({bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry},
+                 {config.detector.pairing_tolerance_s, config.detector.image_wait_s,
+                  config.detector.use_odometry, config.camera.delay_s}),
         utime_(utime),
         needs_image_(config.camera.enabled) {}
-
-  std::string_view name() const override { return "overlay"; }
-  std::vector<bus::Channel> inputs() const override {
-    return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
-  }
-  void handle(const bus::Message& input, const bus::Outbox&) override {
-    if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-      keep(pairer_.add(*scan));
-    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-      keep(pairer_.add(*image));
-    } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
-      keep(pairer_.add(
-          detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps}));
-    }
-  }
-  void flush(const bus::Outbox&) override { keep(pairer_.flush()); }
 
   const std::optional<detection::ScanImagePair>& pair() const { return nearest_; }
 
  private:
-  void keep(std::vector<detection::ScanImagePair> pairs) {
-    for (auto& pair : pairs) {
-      if ((needs_image_ && !pair.image) ||
-          distance_us(pair) > static_cast<std::int64_t>(1e6 * kReach_s))
-        continue;
-      if (!nearest_ || distance_us(pair) < distance_us(*nearest_)) nearest_ = std::move(pair);
-    }
+  void observe(detection::ScanImagePair pair) override {
+    if (needs_image_ && !pair.image) return;
+    if (distance_us(pair) > static_cast<std::int64_t>(1e6 * kReach_s)) return;
+    if (!nearest_ || distance_us(pair) < distance_us(*nearest_)) nearest_ = std::move(pair);
   }
   std::int64_t distance_us(const detection::ScanImagePair& pair) const {
     return std::llabs(pair.scan.utime - utime_);
   }
 
-  detection::ScanImagePairer pairer_;
   std::int64_t utime_;
   bool needs_image_;
   std::optional<detection::ScanImagePair> nearest_;

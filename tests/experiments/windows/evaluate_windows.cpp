@@ -33,7 +33,7 @@ int evaluate(const Options& options) {
   const vision::ColourConfig paper;  // the defaults are the paper's
   std::vector<evaluation::ScoredWindow> scored;
   const cli::PictureCount count = cli::for_each_masked_picture(
-      options.pictures, "evaluate_windows", [&](const cli::PictureWindows& picture) {
+      options.pictures, "evaluate_windows", false, [&](const cli::PictureWindows& picture) {
         const vision::PixelBlock pixels =
             evaluation::disturbed(picture.picture.pixels, options.disturbance);
         vision::PixelBlock judged = pixels;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -167,11 +168,8 @@ class ClutterBuilder {
   void add_crates() {
     for (int i = 0; i < clutter_.num_crates; ++i) {
       Random random(seed_, Stream::kCrates, i);
-      Box crate;
       const bool bin = random.uniform() < 0.4;  // a bulk bin, or stacked picking crates
-      crate.length_m = bin ? 1.20 : 0.60;
-      crate.width_m = bin ? 1.00 : 0.40;
-      crate.height_m = bin ? 0.76 : 0.93;
+      Box crate = bin ? Box{0, 0, 0, 1.20, 1.00, 0.76} : Box{0, 0, 0, 0.60, 0.40, 0.93};
       crate.appearance = draw_appearance(random, bin ? Limits{28.0, 45.0} : Limits{100.0, 240.0},
                                          bin ? Limits{0.2, 0.4} : Limits{0.4, 0.8}, {0.45, 0.75},
                                          Appearance::Texture::kWood);
@@ -321,7 +319,7 @@ class ClutterBuilder {
         ahead_m = how == 1 ? random.uniform(-3.0, 1.0) : -random.uniform(1.0, 4.0);
       }
       const Pose2 meeting = compose(robot, {ahead_m, beside_m, 0.0});
-      Person person;
+      Mover person;
       person.heading_rad =
           crosses ? (side > 0.0 ? 0.0 : geometry::kPi) : side * 0.5 * geometry::kPi;
       person.speed_mps = clutter_.person_speed_mps * random.uniform(0.8, 1.2);
@@ -333,76 +331,56 @@ class ClutterBuilder {
       person.y_m = meeting.y_m - walked_m * std::sin(person.heading_rad);
       person.clothes = draw_appearance(random, {0.0, 360.0}, {0.1, 0.6}, {0.15, 0.7});
       person.clothes.texture_seed = static_cast<std::uint32_t>(random.bits());
-      if (!walks_free(person)) continue;
-      person.target = scene_.world.num_targets++;
-      TruthObject thing{detection::Label::kObject, person.x_m, person.y_m, 0.32,
-                        "M" + std::to_string(index + 1)};
-      thing.moving = true;
-      scene_.truth.push_back(thing);
-      scene_.people.push_back(person);
-      return;
+      if (is_free(person)) return add_mover(person, 0.32, "M" + std::to_string(index + 1));
     }
-  }
-
-  /// True if a person meets no object of the truth and stays 1 m from the robot's centre.
-  bool walks_free(const Person& person) const {
-    const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
-    const double way_m = person.speed_mps * scene_.path.duration_s();
-    for (const TruthObject& thing : scene_.truth) {
-      if (thing.moving) continue;
-      const double ex = thing.x_m - person.x_m, ey = thing.y_m - person.y_m;
-      const double along_m = ex * c + ey * s;
-      if (along_m < -1.0 || along_m > way_m + 1.0) continue;
-      const bool wide = thing.name[0] == 'H';  // hedges have gates
-      if (!wide && std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.30) return false;
-    }
-    for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
-      const Pose2 robot = scene_.path.pose_at(t_s);
-      const double walked_m = person.speed_mps * std::max(0.0, t_s - person.starts_s);
-      const double x_m = person.x_m + c * walked_m, y_m = person.y_m + s * walked_m;
-      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 0.8) return false;
-    }
-    return true;
   }
 
   /// Adds a vehicle that stands ahead in an alley and leaves when the robot is 5 m away.
   void add_vehicle(int index) {
     Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {
-      Vehicle vehicle;
-      vehicle.leaves_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
-      const Pose2 robot = scene_.path.pose_at(vehicle.leaves_s);
+      Mover vehicle;
+      vehicle.kind = Mover::Kind::kVehicle;
+      vehicle.starts_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
+      const Pose2 robot = scene_.path.pose_at(vehicle.starts_s);
       if (std::abs(std::cos(robot.yaw_rad)) > 0.02) continue;
       const Pose2 place = compose(robot, {5.0, random.uniform(-0.4, 0.4), 0.0});
       vehicle.x_m = place.x_m;
       vehicle.y_m = place.y_m;
       vehicle.heading_rad = robot.yaw_rad;
       vehicle.speed_mps = clutter_.vehicle_speed_mps;
-      if (place.y_m < first_y_m() || place.y_m > last_y_m() || !drives_free(vehicle)) continue;
-      vehicle.target = scene_.world.num_targets++;
-      TruthObject thing{detection::Label::kObject, place.x_m, place.y_m, 1.1,
-                        "V" + std::to_string(index + 1)};
-      thing.moving = true;
-      scene_.truth.push_back(thing);
-      scene_.vehicles.push_back(vehicle);
-      return;
+      if (place.y_m < first_y_m() || place.y_m > last_y_m() || !is_free(vehicle)) continue;
+      return add_mover(vehicle, 1.1, "V" + std::to_string(index + 1));
     }
   }
 
-  /// True if it meets no object except hedges and stays 3 m from the robot's centre.
-  bool drives_free(const Vehicle& vehicle) const {
-    const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
+  void add_mover(Mover mover, double width_m, const std::string& name) {
+    mover.target = scene_.world.num_targets++;
+    scene_.truth.push_back(
+        {detection::Label::kObject, mover.x_m, mover.y_m, width_m, name, /*moving=*/true});
+    scene_.movers.push_back(mover);
+  }
+
+  /// True if it meets no object of the truth except hedges, which have gates, and keeps away from
+  /// the robot's centre: a person 0.8 m, a vehicle 3 m.
+  bool is_free(const Mover& mover) const {
+    const bool walks = mover.kind == Mover::Kind::kPerson;
+    const double c = std::cos(mover.heading_rad), s = std::sin(mover.heading_rad);
+    const double begin_m = walks ? -1.0 : -1.2, beside_m = walks ? 0.30 : 0.7;
+    const double end_m = walks ? mover.speed_mps * scene_.path.duration_s() + 1.0
+                               : std::numeric_limits<double>::infinity();
     for (const TruthObject& thing : scene_.truth) {
-      const double ex = thing.x_m - vehicle.x_m, ey = thing.y_m - vehicle.y_m;
-      if (thing.moving || ex * c + ey * s < -1.2 || thing.name[0] == 'H') continue;
-      if (std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.7) return false;
+      const double ex = thing.x_m - mover.x_m, ey = thing.y_m - mover.y_m;
+      const double along_m = ex * c + ey * s;
+      if (thing.moving || along_m < begin_m || along_m > end_m || thing.name[0] == 'H') continue;
+      if (std::abs(ex * s - ey * c) < 0.5 * thing.width_m + beside_m) return false;
     }
+    const double starting_s = walks ? 0.0 : 2.0;  // a bound of the time that it loses
     for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
       const Pose2 robot = scene_.path.pose_at(t_s);
-      // a lower bound of its position: 2 s for starting
-      const double way_m = std::max(0.0, t_s - vehicle.leaves_s - 2.0) * vehicle.speed_mps;
-      const double x_m = vehicle.x_m + c * way_m, y_m = vehicle.y_m + s * way_m;
-      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 3.0) return false;
+      const double way_m = mover.speed_mps * std::max(0.0, t_s - mover.starts_s - starting_s);
+      const double x_m = mover.x_m + c * way_m, y_m = mover.y_m + s * way_m;
+      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < (walks ? 0.8 : 3.0)) return false;
     }
     return true;
   }

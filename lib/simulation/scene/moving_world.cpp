@@ -24,90 +24,76 @@ constexpr double kWheel_m = 0.65;
 constexpr double kTyre_m = 0.22;
 constexpr double kStart_mps2 = 1.0;
 
-Cylinder part(double x_m, double y_m, double radius_m, double base_m, double top_m,
-              const Person& person) {
-  Cylinder cylinder;
-  cylinder.x_m = x_m;
-  cylinder.y_m = y_m;
-  cylinder.radius_m = radius_m;
-  cylinder.base_m = base_m;
-  cylinder.height_m = top_m - base_m;
-  cylinder.target = person.target;
-  cylinder.appearance = person.clothes;
-  return cylinder;
-}
-
-void add_person(const Person& person, double time_s, World& world) {
-  const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
-  const double walked_s = std::max(0.0, time_s - person.starts_s);
-  const double now_mps = time_s < person.starts_s ? 0.0 : person.speed_mps;
-  const double x_m = person.x_m + c * person.speed_mps * walked_s;
-  const double y_m = person.y_m + s * person.speed_mps * walked_s;
-  const double rate_radps = 2.0 * geometry::kPi * now_mps / kStride_m;
-  for (const double side : {-1.0, 1.0}) {
-    const double ahead_m = side * kLegSwing_m * std::sin(rate_radps * walked_s);
-    const double beside_m = side * 0.5 * kLegApart_m;
-    Cylinder leg = part(x_m + c * ahead_m - s * beside_m, y_m + s * ahead_m + c * beside_m,
-                        kLegRadius_m, 0.0, kHip_m, person);
-    const double speed_mps =
-        now_mps + side * kLegSwing_m * rate_radps * std::cos(rate_radps * walked_s);
-    leg.velocity_x_mps = c * speed_mps;
-    leg.velocity_y_mps = s * speed_mps;
-    world.cylinders.push_back(leg);
-  }
-  Cylinder body = part(x_m, y_m, 0.19, kHip_m, 1.45, person);
-  body.appearance.hue_deg = std::fmod(body.appearance.hue_deg + 140.0, 360.0);
-  Cylinder head = part(x_m, y_m, 0.095, 1.48, 1.73, person);
-  head.appearance.hue_deg = 20.0;
-  head.appearance.saturation = 0.35;
-  head.appearance.value = 0.6;
-  for (Cylinder* upper : {&body, &head}) {
-    upper->velocity_x_mps = c * now_mps;
-    upper->velocity_y_mps = s * now_mps;
-    world.cylinders.push_back(*upper);
-  }
-}
-
-/// Distance driven by a vehicle, and its speed.
+/// Distance gone, and the speed.
 struct Way {
   double way_m = 0.0;
   double speed_mps = 0.0;
 };
 
-Way way_of(const Vehicle& vehicle, double time_s) {
-  const double driven_s = std::max(0.0, time_s - vehicle.leaves_s);
-  const double started_s = std::min(driven_s, vehicle.speed_mps / kStart_mps2);
-  return {0.5 * kStart_mps2 * started_s * started_s + vehicle.speed_mps * (driven_s - started_s),
+/// A person walks at once, a vehicle gathers speed.
+Way way_of(const Mover& mover, double time_s) {
+  const double gone_s = std::max(0.0, time_s - mover.starts_s);
+  if (mover.kind == Mover::Kind::kPerson) {
+    return {mover.speed_mps * gone_s, time_s < mover.starts_s ? 0.0 : mover.speed_mps};
+  }
+  const double started_s = std::min(gone_s, mover.speed_mps / kStart_mps2);
+  return {0.5 * kStart_mps2 * started_s * started_s + mover.speed_mps * (gone_s - started_s),
           kStart_mps2 * started_s};
 }
 
-void add_vehicle(const Vehicle& vehicle, double time_s, World& world) {
-  const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
-  const double way_m = way_of(vehicle, time_s).way_m;
-  Box box;
-  box.yaw_rad = vehicle.heading_rad;
-  box.target = vehicle.target;
-  const auto add = [&](double ahead_m, double beside_m) {
-    box.x_m = vehicle.x_m + c * (way_m + ahead_m) - s * beside_m;
-    box.y_m = vehicle.y_m + s * (way_m + ahead_m) + c * beside_m;
-    world.boxes.push_back(box);
+/// Axes of a mover that is `way_m` from its start.
+Pose2 place_of(const Mover& mover, double way_m) {
+  return {mover.x_m + way_m * std::cos(mover.heading_rad),
+          mover.y_m + way_m * std::sin(mover.heading_rad), mover.heading_rad};
+}
+
+void add_person(const Mover& person, double time_s, World& world) {
+  const Way way = way_of(person, time_s);
+  const Pose2 place = place_of(person, way.way_m);
+  const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
+  const auto add = [&](const Eigen::Vector2d& p, double radius_m, double base_m, double top_m,
+                       const Appearance& looks, double speed_mps) {
+    Cylinder part{p.x(), p.y(), radius_m, top_m - base_m, base_m, person.target, looks};
+    part.velocity_x_mps = c * speed_mps;
+    part.velocity_y_mps = s * speed_mps;
+    world.cylinders.push_back(part);
   };
-  box.length_m = kWheel_m;
-  box.width_m = kTyre_m;
-  box.height_m = kWheel_m;
-  box.appearance.saturation = 0.1;
-  box.appearance.value = 0.15;
-  for (const double ahead_m : {-0.5 * kAxlesApart_m, 0.5 * kAxlesApart_m}) {
-    for (const double beside_m : {-0.5 * kTrack_m, 0.5 * kTrack_m}) add(ahead_m, beside_m);
+  const double step_rad = 2.0 * geometry::kPi * way.way_m / kStride_m;
+  const double rate_radps = 2.0 * geometry::kPi * way.speed_mps / kStride_m;
+  for (const double side : {-1.0, 1.0}) {
+    const double swing_m = way.speed_mps > 0.0 ? side * kLegSwing_m : 0.0;
+    add(transform(place, {swing_m * std::sin(step_rad), side * 0.5 * kLegApart_m}), kLegRadius_m,
+        0.0, kHip_m, person.clothes, way.speed_mps + swing_m * rate_radps * std::cos(step_rad));
   }
-  box.length_m = kAxlesApart_m + kWheel_m;
-  box.width_m = kTrack_m;
-  box.base_m = kWheel_m;
-  box.height_m = 0.6;
-  box.appearance.hue_deg = 120.0;
-  box.appearance.saturation = 0.7;
-  box.appearance.value = 0.5;
-  add(0.0, 0.0);
+  Appearance coat = person.clothes, skin = person.clothes;
+  coat.hue_deg = std::fmod(coat.hue_deg + 140.0, 360.0);
+  skin.hue_deg = 20.0;
+  skin.saturation = 0.35;
+  skin.value = 0.6;
+  add(place.translation_m(), 0.19, kHip_m, 1.45, coat, way.speed_mps);
+  add(place.translation_m(), 0.095, 1.48, 1.73, skin, way.speed_mps);
+}
+
+void add_vehicle(const Mover& vehicle, double time_s, World& world) {
+  const Pose2 place = place_of(vehicle, way_of(vehicle, time_s).way_m);
+  const auto add = [&](double ahead_m, double beside_m, double length_m, double width_m,
+                       double height_m, double base_m, const Appearance& paint) {
+    const Eigen::Vector2d p = transform(place, {ahead_m, beside_m});
+    world.boxes.push_back({p.x(), p.y(), vehicle.heading_rad, length_m, width_m, height_m, base_m,
+                           vehicle.target, paint});
+  };
+  for (const double ahead_m : {-0.5 * kAxlesApart_m, 0.5 * kAxlesApart_m}) {
+    for (const double beside_m : {-0.5 * kTrack_m, 0.5 * kTrack_m}) {
+      add(ahead_m, beside_m, kWheel_m, kTyre_m, kWheel_m, 0.0, {30.0, 0.1, 0.15});
+    }
+  }
+  add(0.0, 0.0, kAxlesApart_m + kWheel_m, kTrack_m, 0.6, kWheel_m, {120.0, 0.7, 0.5});
+}
+
+void add_movers(const Scene& scene, double time_s, World& world) {
+  for (const Mover& mover : scene.movers) {
+    (mover.kind == Mover::Kind::kPerson ? add_person : add_vehicle)(mover, time_s, world);
+  }
 }
 
 /// Moves the `i`-th cylinder of a scene to its swaying position.
@@ -155,7 +141,7 @@ std::vector<std::size_t> WorldIndex::boxes_near(double x_m, double y_m, double r
 }
 
 bool has_motion(const Scene& scene) {
-  return !scene.people.empty() || !scene.vehicles.empty() ||
+  return !scene.movers.empty() ||
          std::any_of(scene.world.cylinders.begin(), scene.world.cylinders.end(),
                      [](const Cylinder& c) { return c.sway_m > 0.0; });
 }
@@ -163,8 +149,7 @@ bool has_motion(const Scene& scene) {
 World world_at(const Scene& scene, double time_s) {
   World world = scene.world;
   for (std::size_t i = 0; i < world.cylinders.size(); ++i) sway(world.cylinders[i], i, time_s);
-  for (const Person& person : scene.people) add_person(person, time_s, world);
-  for (const Vehicle& vehicle : scene.vehicles) add_vehicle(vehicle, time_s, world);
+  add_movers(scene, time_s, world);
   return world;
 }
 
@@ -179,30 +164,20 @@ World world_near(const Scene& scene, const WorldIndex& index, double x_m, double
   for (const std::size_t i : index.boxes_near(x_m, y_m, radius_m)) {
     world.boxes.push_back(scene.world.boxes[i]);
   }
-  for (const Person& person : scene.people) add_person(person, time_s, world);
-  for (const Vehicle& vehicle : scene.vehicles) add_vehicle(vehicle, time_s, world);
+  add_movers(scene, time_s, world);
   return world;
 }
 
 std::vector<TruthObject> truth_at(const Scene& scene, double time_s) {
   std::vector<TruthObject> truth = scene.truth;
-  for (const Person& person : scene.people) {
-    TruthObject& thing = truth[static_cast<std::size_t>(person.target)];
-    const double walked_s = std::max(0.0, time_s - person.starts_s);
-    const double speed_mps = time_s < person.starts_s ? 0.0 : person.speed_mps;
-    thing.velocity_x_mps = speed_mps * std::cos(person.heading_rad);
-    thing.velocity_y_mps = speed_mps * std::sin(person.heading_rad);
-    thing.x_m = person.x_m + person.speed_mps * walked_s * std::cos(person.heading_rad);
-    thing.y_m = person.y_m + person.speed_mps * walked_s * std::sin(person.heading_rad);
-  }
-  for (const Vehicle& vehicle : scene.vehicles) {
-    TruthObject& thing = truth[static_cast<std::size_t>(vehicle.target)];
-    const Way way = way_of(vehicle, time_s);
-    const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
-    thing.velocity_x_mps = c * way.speed_mps;
-    thing.velocity_y_mps = s * way.speed_mps;
-    thing.x_m = vehicle.x_m + c * way.way_m;
-    thing.y_m = vehicle.y_m + s * way.way_m;
+  for (const Mover& mover : scene.movers) {
+    TruthObject& thing = truth[static_cast<std::size_t>(mover.target)];
+    const Way way = way_of(mover, time_s);
+    const Pose2 place = place_of(mover, way.way_m);
+    thing.x_m = place.x_m;
+    thing.y_m = place.y_m;
+    thing.velocity_x_mps = way.speed_mps * std::cos(mover.heading_rad);
+    thing.velocity_y_mps = way.speed_mps * std::sin(mover.heading_rad);
   }
   return truth;
 }

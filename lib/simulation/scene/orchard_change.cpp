@@ -179,8 +179,7 @@ class OrchardChanger {
     };
     renumber(scene_.world.cylinders);
     renumber(scene_.world.boxes);
-    renumber(scene_.people);
-    renumber(scene_.vehicles);
+    renumber(scene_.movers);
     scene_.world.num_targets = static_cast<int>(scene_.truth.size());
   }
 
@@ -213,8 +212,7 @@ class OrchardChanger {
     const int place = static_cast<int>(std::find_if(scene_.truth.begin(), scene_.truth.end(),
                                                     [](const TruthObject& t) { return t.moving; }) -
                                        scene_.truth.begin());
-    for (Person& person : scene_.people) ++person.target;
-    for (Vehicle& vehicle : scene_.vehicles) ++vehicle.target;
+    for (Mover& mover : scene_.movers) ++mover.target;
     trunk.target = place;
     scene_.truth.insert(scene_.truth.begin() + place, thing);
     scene_.former_targets.insert(scene_.former_targets.begin() + place, num_former_++);

@@ -125,11 +125,7 @@ class ParkBuilder {
     const bool grouped = place_.uniform() < config_.clump_fraction;
     const auto p = find_place(0.5 * width_m, grouped);
     if (!p) return;
-    Cylinder trunk;
-    trunk.x_m = p->x();
-    trunk.y_m = p->y();
-    trunk.radius_m = 0.5 * width_m;
-    trunk.height_m = 3.0;
+    Cylinder trunk{p->x(), p->y(), 0.5 * width_m, 3.0, 0.0, 0, {}};
     trunk.appearance.texture = Appearance::Texture::kRoughBark;
     trunk.appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     add_named('T', *p,

@@ -82,26 +82,18 @@ struct Crown {
   Appearance appearance;
 };
 
-/// A person who stands, then walks straight on: two legs in the scan plane, a body above them.
-struct Person {
-  double x_m = 0.0;  ///< until `starts_s`, map frame
+/// What stands, then goes straight on: a person (two legs in the scan plane, a body above them), or
+/// a small tractor (four wheels in the scan plane, a body above them).
+struct Mover {
+  enum class Kind { kPerson, kVehicle };
+  Kind kind = Kind::kPerson;
+  double x_m = 0.0;  ///< of its centre until `starts_s`, map frame
   double y_m = 0.0;
-  double starts_s = 0.0;  ///< time of the run
   double heading_rad = 0.0;
+  double starts_s = 0.0;  ///< time of the run
   double speed_mps = 0.0;
   int target = 0;
   Appearance clothes;
-};
-
-/// A small tractor: four wheels in the scan plane, a body above them. It stands, then drives off
-/// straight ahead.
-struct Vehicle {
-  double x_m = 0.0;  ///< of its centre while it stands, map frame
-  double y_m = 0.0;
-  double heading_rad = 0.0;
-  double leaves_s = 0.0;  ///< time of the run
-  double speed_mps = 0.0;
-  int target = 0;
 };
 
 /// Everything visible to sensors. A target is the index of an object in the scene's truth.
@@ -120,9 +112,8 @@ struct World {
 /// A world, its truth, and the motion of the robot.
 struct Scene {
   World world;  ///< the static objects
-  std::vector<Person> people;
-  std::vector<Vehicle> vehicles;
-  std::vector<TruthObject> truth;  ///< moving objects are last: people, then vehicles
+  std::vector<Mover> movers;
+  std::vector<TruthObject> truth;  ///< moving objects are last, in the order of `movers`
   std::vector<TruthObject> gaps;   ///< empty positions of the rows, with their missing trees
   /// For every target its number before change_orchard(); empty when nothing was changed.
   std::vector<int> former_targets;
@@ -148,14 +139,11 @@ struct Scene {
     for (int i = 0; i < num_twigs; ++i) {
       const double distance_m = 0.5 * size_m * std::sqrt(place.uniform());
       const double angle_rad = place.uniform(0.0, 2.0 * geometry::kPi);
-      Cylinder twig;
-      twig.x_m = x_m + distance_m * std::cos(angle_rad);
-      twig.y_m = y_m + distance_m * std::sin(angle_rad);
-      twig.radius_m = place.uniform(0.012, 0.05);
-      twig.height_m = place.uniform(height_m.min, height_m.max);
-      twig.target = target;
-      twig.appearance = leaf();
-      world.cylinders.push_back(twig);
+      const double twig_x_m = x_m + distance_m * std::cos(angle_rad);
+      const double twig_y_m = y_m + distance_m * std::sin(angle_rad);
+      const double radius_m = place.uniform(0.012, 0.05);
+      world.cylinders.push_back({twig_x_m, twig_y_m, radius_m,
+                                 place.uniform(height_m.min, height_m.max), 0.0, target, leaf()});
     }
     truth.push_back({detection::Label::kObject, x_m, y_m, size_m, name});
   }

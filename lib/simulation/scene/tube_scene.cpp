@@ -163,11 +163,7 @@ class TubeSceneBuilder {
   }
 
   Cylinder make(double width_m, const Appearance& appearance) {
-    Cylinder cylinder;
-    cylinder.radius_m = width_m / 2.0;
-    cylinder.height_m = kExposed_m;
-    cylinder.appearance = appearance;
-    return cylinder;
+    return {0.0, 0.0, width_m / 2.0, kExposed_m, 0.0, 0, appearance};
   }
 
   Appearance cardboard() {

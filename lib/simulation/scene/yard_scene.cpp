@@ -167,14 +167,8 @@ class YardBuilder {
 
   void add_box(const Eigen::Vector2d& origin, double yaw_rad, const Eigen::Vector2d& at,
                const Eigen::Vector2d& size) {
-    Box box;
-    box.x_m = origin.x() + std::cos(yaw_rad) * at.x() - std::sin(yaw_rad) * at.y();
-    box.y_m = origin.y() + std::sin(yaw_rad) * at.x() + std::cos(yaw_rad) * at.y();
-    box.yaw_rad = yaw_rad;
-    box.length_m = size.x();
-    box.width_m = size.y();
-    box.height_m = 3.0;
-    box.target = -1;
+    const Eigen::Vector2d p = transform(Pose2{origin.x(), origin.y(), yaw_rad}, at);
+    Box box{p.x(), p.y(), yaw_rad, size.x(), size.y(), 3.0, 0.0, -1, {}};
     box.appearance.texture = Appearance::Texture::kWood;
     scene_.world.boxes.push_back(box);
   }
@@ -189,12 +183,7 @@ class YardBuilder {
       face_m = 0.7 * face_m + place_.normal(0.0, 0.7 * config_.hedge_roughness_m);
       const double depth_m = face_m + place_.uniform(-0.5, 0.5) * kHedgeDepth_m;
       const Eigen::Vector2d p = from + s_m * along + depth_m * across;
-      Cylinder bunch;
-      bunch.x_m = p.x();
-      bunch.y_m = p.y();
-      bunch.radius_m = place_.uniform(0.04, 0.12);
-      bunch.height_m = 1.8;
-      bunch.target = -1;
+      Cylinder bunch{p.x(), p.y(), place_.uniform(0.04, 0.12), 1.8, 0.0, -1, {}};
       bunch.sway_m = kHedgeSway_m;
       bunch.appearance.texture = Appearance::Texture::kLeaves;
       bunch.appearance.hue_deg = 95.0;
@@ -221,11 +210,7 @@ class YardBuilder {
   }
 
   void add_tree(double x_m, double y_m, double width_m) {
-    Cylinder trunk;
-    trunk.x_m = x_m;
-    trunk.y_m = y_m;
-    trunk.radius_m = 0.5 * width_m;
-    trunk.height_m = 2.0;
+    Cylinder trunk{x_m, y_m, 0.5 * width_m, 2.0, 0.0, 0, {}};
     trunk.appearance.texture = Appearance::Texture::kBark;
     scene_.add(trunk, detection::Label::kTree, "T" + std::to_string(scene_.world.num_targets + 1));
   }

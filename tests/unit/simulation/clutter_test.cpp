@@ -65,7 +65,7 @@ TEST(Clutter, MovesNoTreeAndHoldsWhatIsAskedFor) {
     }
     num_trees += count(plain, 'T');
     num_posts += count(with, 'P') - count(plain, 'P');
-    num_people += static_cast<int>(with.people.size());
+    num_people += static_cast<int>(with.movers.size());
     EXPECT_EQ(count(with, 'C'), 5);
     // nothing stands in the robot's way
     for (double t_s = 0.0; t_s < with.path.duration_s(); t_s += 0.2) {
@@ -105,20 +105,21 @@ TEST(Clutter, VehiclesStandUntilTheRobotComesAndLeaveTheirPlace) {
   int num_vehicles = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     RigConfig rig = cluttered();
+    rig.simulation.clutter.num_people = 0;
     rig.simulation.clutter.num_vehicles = 1;
     rig.simulation.orchard.num_rows = 5;
     const Simulator simulator(SceneKind::kOrchard, seed, rig);
     const Scene& scene = simulator.scene();
-    num_vehicles += static_cast<int>(scene.vehicles.size());
-    for (const Vehicle& vehicle : scene.vehicles) {
+    num_vehicles += static_cast<int>(scene.movers.size());
+    for (const Mover& vehicle : scene.movers) {
       const auto place = [&](double time_s) {
         return truth_at(scene, time_s)[static_cast<std::size_t>(vehicle.target)];
       };
       EXPECT_TRUE(place(0.0).moving);
-      EXPECT_EQ(place(vehicle.leaves_s).x_m, place(0.0).x_m);
-      EXPECT_EQ(place(vehicle.leaves_s).y_m, vehicle.y_m);
-      const double a_y_m = place(vehicle.leaves_s + 10.0).y_m;
-      const double b_y_m = place(vehicle.leaves_s + 12.0).y_m;
+      EXPECT_EQ(place(vehicle.starts_s).x_m, place(0.0).x_m);
+      EXPECT_EQ(place(vehicle.starts_s).y_m, vehicle.y_m);
+      const double a_y_m = place(vehicle.starts_s + 10.0).y_m;
+      const double b_y_m = place(vehicle.starts_s + 12.0).y_m;
       EXPECT_NEAR(std::abs(b_y_m - a_y_m), 2.0 * vehicle.speed_mps, 0.01);
       for (double t_s = 0.0; t_s < scene.path.duration_s(); t_s += 0.2) {
         const Pose2 robot = scene.path.pose_at(t_s);
@@ -142,7 +143,7 @@ TEST(Clutter, PeopleWalkAndTheTruthWalksWithThem) {
   rig.simulation.clutter.person_speed_mps = 1.3;
   const Simulator simulator(SceneKind::kOrchard, 2, rig);
   const Scene& scene = simulator.scene();
-  ASSERT_FALSE(scene.people.empty());
+  ASSERT_FALSE(scene.movers.empty());
   const auto before = truth_at(scene, 10.0), after = truth_at(scene, 12.0);
   for (std::size_t i = 0; i < before.size(); ++i) {
     const double way_m = std::hypot(after[i].x_m - before[i].x_m, after[i].y_m - before[i].y_m);

@@ -248,7 +248,7 @@ TEST(OrchardChange, NumbersEverythingAnew) {
   const Scene scene = scene_of(config, 6);
   ASSERT_EQ(scene.world.num_targets, static_cast<int>(scene.truth.size()));
   ASSERT_EQ(scene.former_targets.size(), scene.truth.size());
-  ASSERT_EQ(scene.people.size(), 2u);
+  ASSERT_EQ(scene.movers.size(), 2u);
   for (const Cylinder& c : scene.world.cylinders) {
     if (c.target < 0) continue;
     const TruthObject& thing = scene.truth[c.target];
@@ -260,7 +260,7 @@ TEST(OrchardChange, NumbersEverythingAnew) {
   for (const Box& box : scene.world.boxes) {
     EXPECT_EQ(box.x_m, scene.truth[box.target].x_m);
   }
-  for (const Person& person : scene.people) {
+  for (const Mover& person : scene.movers) {
     EXPECT_TRUE(scene.truth[person.target].moving);
     EXPECT_EQ(scene.truth[person.target].x_m, person.x_m);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "detection/detection.hpp"
 #include "evaluation/assignment.hpp"
@@ -32,22 +33,6 @@ std::vector<EvaluatedObject> named(const std::vector<simulation::TruthObject>& t
     objects.push_back(std::move(object));
   }
   return objects;
-}
-
-ErrorSummary summarise(const std::vector<double>& errors_m) {
-  ErrorSummary summary;
-  summary.num = static_cast<int>(errors_m.size());
-  if (errors_m.empty()) return summary;
-  double sum_m = 0.0;
-  double sum_m2 = 0.0;
-  for (const double error_m : errors_m) {
-    sum_m += error_m;
-    sum_m2 += error_m * error_m;
-    summary.max_m = std::max(summary.max_m, error_m);
-  }
-  summary.mean_m = sum_m / summary.num;
-  summary.rms_m = std::sqrt(sum_m2 / summary.num);
-  return summary;
 }
 
 void match(const std::vector<mapping::Landmark>& landmarks, MapEvaluation& evaluation) {
@@ -99,8 +84,8 @@ void count(MapEvaluation& evaluation) {
     evaluation.se_x_mean_m += object.landmark->se_x_m;
     evaluation.se_y_mean_m += object.landmark->se_y_m;
   }
-  evaluation.all = summarise(errors_m);
-  evaluation.trees = summarise(tree_errors_m);
+  evaluation.all = error_statistics(std::move(errors_m));
+  evaluation.trees = error_statistics(std::move(tree_errors_m));
   if (evaluation.trees.num == 0) return;
   evaluation.roc_mean_trees /= evaluation.trees.num;
   evaluation.se_x_mean_m /= evaluation.trees.num;
@@ -238,19 +223,19 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
       evaluation.all.num, num_truth, evaluation.num_trees, evaluation.num_objects,
       evaluation.gate_m, evaluation.num_wrong_class, evaluation.extra.size());
   text += fmt::format("error against truth: RMS {:.2f} mm, mean {:.2f} mm, largest {:.2f} mm\n",
-                      kMmPerM * evaluation.all.rms_m, kMmPerM * evaluation.all.mean_m,
-                      kMmPerM * evaluation.all.max_m);
+                      kMmPerM * evaluation.all.rmse, kMmPerM * evaluation.all.mean,
+                      kMmPerM * evaluation.all.max);
   if (evaluation.unaligned) {
     const Unaligned& before = *evaluation.unaligned;
     text += fmt::format("trees: missed {} of {}, mapped twice {}, error RMS {:.2f} mm\n",
                         evaluation.num_trees_missed, evaluation.num_trees,
-                        evaluation.num_duplicates, kMmPerM * evaluation.trees.rms_m);
+                        evaluation.num_duplicates, kMmPerM * evaluation.trees.rmse);
     text += fmt::format(
         "aligned on the trees: moved by ({:.3f}, {:.3f}) m, rotated by {:.3f} degrees; without "
         "alignment {} trees found, error RMS {:.2f} mm\n",
         before.T_truth_map.x_m, before.T_truth_map.y_m,
         180.0 / geometry::kPi * before.T_truth_map.yaw_rad, before.num_trees_found,
-        kMmPerM * before.trees.rms_m);
+        kMmPerM * before.trees.rmse);
   }
   for (const mapping::Landmark& landmark : evaluation.extra) {
     text += fmt::format("extra landmark {} ({}, {} observations) at ({:.3f}, {:.3f}) m\n",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluation/map_alignment.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
 #include "mapping/landmark.hpp"
 #include "simulation/scene/world.hpp"
 
@@ -24,19 +25,11 @@ struct EvaluatedObject {
   bool right_class() const { return landmark && landmark->label == truth.label; }
 };
 
-/// Statistics of a set of errors [m]; all 0 for an empty set.
-struct ErrorSummary {
-  int num = 0;
-  double mean_m = 0.0;
-  double rms_m = 0.0;
-  double max_m = 0.0;
-};
-
 /// Results for the map before alignment, when the aligned map is evaluated.
 struct Unaligned {
   geometry::Pose2 T_truth_map;  ///< the alignment
   int num_trees_found = 0;      ///< trees within the gate without alignment
-  ErrorSummary trees;           ///< errors of those trees
+  ErrorStatistics trees;        ///< errors of those trees [m]
 };
 
 /// Evaluation of a map against the truth.
@@ -55,8 +48,8 @@ struct MapEvaluation {
   /// Extra landmarks of class tree within the gate of a tree that is matched with another landmark.
   int num_duplicates = 0;
   std::optional<Unaligned> unaligned;
-  ErrorSummary all;  ///< position errors of all matched objects
-  ErrorSummary trees;
+  ErrorStatistics all;  ///< position errors of all matched objects [m]
+  ErrorStatistics trees;
   double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
   double se_x_mean_m = 0.0;     ///< mean standard errors of the matched trees
   double se_y_mean_m = 0.0;
@@ -94,11 +87,11 @@ std::string evaluation_json(const MapEvaluation& evaluation);
 
 /// Number of errors, their mean, root mean square and max [m], as an object of any JSON type.
 template <class Json>
-Json errors_json(const ErrorSummary& summary) {
+Json errors_json(const ErrorStatistics& summary) {
   return {{"n", summary.num},
-          {"mean_m", summary.mean_m},
-          {"rms_m", summary.rms_m},
-          {"max_m", summary.max_m}};
+          {"mean_m", summary.mean},
+          {"rms_m", summary.rmse},
+          {"max_m", summary.max}};
 }
 
 }  // namespace orchard::evaluation

@@ -26,7 +26,7 @@ void compare(const Config& config, unsigned long first, unsigned long last) {
       orchard::trials::print_json({{"seed", seed},
                                    {"variant", variant},
                                    {"num", o.map.trees.num},
-                                   {"rms_m", o.map.trees.rms_m},
+                                   {"rms_m", o.map.trees.rmse},
                                    {"judged", o.num_judged_tree},
                                    {"observations", o.num_tree_observations},
                                    {"right", o.map.confusion[1][1]},

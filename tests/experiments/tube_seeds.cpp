@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
                                    {"roc", map.roc_mean_trees},
                                    {"se_x_mm", 1e3 * map.se_x_mean_m},
                                    {"se_y_mm", 1e3 * map.se_y_mean_m},
-                                   {"rms_mm", 1e3 * map.all.rms_m}});
+                                   {"rms_mm", 1e3 * map.all.rmse}});
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tube_seeds: %s\n", error.what());

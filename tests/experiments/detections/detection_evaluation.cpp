@@ -156,26 +156,6 @@ bool is_called_tree(const ObservationPair& observation) {
   return observation.detection && observation.detection->label == Label::kTree;
 }
 
-class ErrorSum {
- public:
-  void add(double error_m) {
-    ++sum_.num;
-    sum_.mean_m += error_m;
-    sum_.rms_m += error_m * error_m;
-    sum_.max_m = std::max(sum_.max_m, error_m);
-  }
-  ErrorSummary summary() const {
-    ErrorSummary result = sum_;
-    if (result.num == 0) return result;
-    result.mean_m /= result.num;
-    result.rms_m = std::sqrt(result.rms_m / result.num);
-    return result;
-  }
-
- private:
-  ErrorSummary sum_;
-};
-
 Slice slice_of(const std::vector<ObservationPair>& observations, DetectionRules rules,
                const std::string& name, double from_m, double to_m) {
   Slice slice;
@@ -227,18 +207,18 @@ Counts count_labels(const std::vector<ObservationPair>& observations, const Dete
   return counts;
 }
 
-ErrorSummary centre_errors(const std::vector<ObservationPair>& observations,
-                           const DetectionRules& rules, double from_m, double to_m) {
+ErrorStatistics centre_errors(const std::vector<ObservationPair>& observations,
+                              const DetectionRules& rules, double from_m, double to_m) {
   DetectionRules within = rules;
   within.range_max_m = to_m;
-  ErrorSum sum;
+  std::vector<double> errors_m;
   for (const ObservationPair& observation : observations) {
     if (!is_called_tree(observation) || !observation.is_tree() ||
         !counts_as_tree(observation, within))
       continue;
-    if (observation.truth->range_m >= from_m) sum.add(observation.centre_error_m);
+    if (observation.truth->range_m >= from_m) errors_m.push_back(observation.centre_error_m);
   }
-  return sum.summary();
+  return error_statistics(std::move(errors_m));
 }
 
 std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& observations) {
@@ -301,7 +281,7 @@ LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& land
   LandmarkEvaluation result;
   const MapEvaluation map = evaluate_map(landmarks, truth, gate_m);
   std::vector<Forecast> forecasts;
-  ErrorSum errors;
+  std::vector<double> errors_m;
   const auto forecast = [&](const mapping::Landmark& l, bool is_tree) {
     if (l.label != Label::kUnseen) forecasts.push_back({l.probability, is_tree});
   };
@@ -313,7 +293,7 @@ LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& land
     if (is_tree && called) {
       ++result.num_trees;
       ++result.counts.num_right;
-      errors.add(object.error_m);
+      errors_m.push_back(object.error_m);
     } else if (is_tree && (i >= is_looked_at.size() || is_looked_at[i])) {
       ++result.num_trees;
       ++result.counts.num_missed;
@@ -328,7 +308,7 @@ LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& land
     forecast(l, false);
     if (l.label == Label::kTree) ++result.counts.num_wrong;
   }
-  result.trees = errors.summary();
+  result.trees = error_statistics(std::move(errors_m));
   result.reliability = reliability(forecasts);
   if (forecasts_out) {
     forecasts_out->insert(forecasts_out->end(), forecasts.begin(), forecasts.end());

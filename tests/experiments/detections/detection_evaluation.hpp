@@ -42,7 +42,7 @@ struct Slice {
   double from_m = 0.0;
   double to_m = 0.0;
   Counts counts;
-  ErrorSummary centre;  ///< centre error of the trees called TREE
+  ErrorStatistics centre;  ///< centre error of the trees called TREE
 };
 
 /// Classification by one confidence alone, at every threshold.
@@ -60,7 +60,7 @@ struct ScoreTest {
 struct LandmarkEvaluation {
   Counts counts;
   Reliability reliability;  ///< of `probability`, for all landmarks except UNSEEN
-  ErrorSummary trees;
+  ErrorStatistics trees;
   int num_trees = 0;
 };
 
@@ -88,8 +88,8 @@ DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& obse
 Counts count_labels(const std::vector<ObservationPair>& observations, const DetectionRules& rules);
 
 /// Centre errors of trees called TREE between two ranges [m].
-ErrorSummary centre_errors(const std::vector<ObservationPair>& observations,
-                           const DetectionRules& rules, double from_m, double to_m);
+ErrorStatistics centre_errors(const std::vector<ObservationPair>& observations,
+                              const DetectionRules& rules, double from_m, double to_m);
 
 /// Forecasts from the classified detections: probability_tree, and whether the object was a tree.
 std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& observations);

@@ -25,16 +25,16 @@ io::Config short_rows() {
 
 TEST(MovingRobot, MapsAsWellAsOneThatStops) {
   io::Config config = short_rows();
-  const double stopped_m = map_run(stop_and_go(11, config), config).map.trees.rms_m;
+  const double stopped_m = map_run(stop_and_go(11, config), config).map.trees.rmse;
   const RobotRun moving = drive(11, config, {0.0875, 0.0});  // pictures 50 ms after mid-sweep
   const Outcome with = map_run(moving, config);
-  EXPECT_LT(with.map.trees.rms_m - stopped_m, 0.010);
+  EXPECT_LT(with.map.trees.rmse - stopped_m, 0.010);
   EXPECT_GT(with.map.trees.num, 10);
   config.detector.use_odometry = false;
   const Outcome without = map_run(moving, config);
   EXPECT_GT(with.judged_tree(), without.judged_tree());
   config.mapper.deskew_pose_gap_max_s = 0.0;  // all of a scan at its first beam: it must show
-  EXPECT_GT(map_run(moving, config).map.trees.rms_m - stopped_m, 0.010);
+  EXPECT_GT(map_run(moving, config).map.trees.rmse - stopped_m, 0.010);
 }
 
 TEST(MovingRobot, TheDelayOfAMisstampedCameraIsFound) {

@@ -79,8 +79,8 @@ std::vector<std::string> shortcomings(const evaluation::MapEvaluation& evaluatio
                   1e3 * evaluation.se_x_mean_m);
   complain.unless(evaluation.se_y_mean_m <= 0.007, "mean SE in y %.2f mm",
                   1e3 * evaluation.se_y_mean_m);
-  complain.unless(evaluation.all.rms_m <= 0.015, "error against truth %.1f mm RMS",
-                  1e3 * evaluation.all.rms_m);
+  complain.unless(evaluation.all.rmse <= 0.015, "error against truth %.1f mm RMS",
+                  1e3 * evaluation.all.rmse);
   return complain.take();
 }
 

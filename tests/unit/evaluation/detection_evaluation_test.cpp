@@ -113,12 +113,12 @@ TEST(DetectionEvaluation, RulesDecideWhatCounts) {
 TEST(DetectionEvaluation, CentreErrorsSeeThroughTheMount) {
   const Scene scene;
   const auto observations = pair_observations(scene.messages, scene.truth, 0).pairs;
-  const ErrorSummary near = centre_errors(observations, {}, 1.0, 2.0);
+  const ErrorStatistics near = centre_errors(observations, {}, 1.0, 2.0);
   EXPECT_EQ(near.num, 1);
-  EXPECT_NEAR(near.rms_m, 0.012, 1e-9);
-  const ErrorSummary far = centre_errors(observations, {}, 2.0, 3.0);
+  EXPECT_NEAR(near.rmse, 0.012, 1e-9);
+  const ErrorStatistics far = centre_errors(observations, {}, 2.0, 3.0);
   EXPECT_EQ(far.num, 2);
-  EXPECT_NEAR(far.rms_m, 0.009 / std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(far.rmse, 0.009 / std::sqrt(2.0), 1e-9);
 }
 
 TEST(DetectionEvaluation, ScansAreMatchedByTime) {

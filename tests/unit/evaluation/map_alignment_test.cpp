@@ -67,7 +67,7 @@ TEST(MapAlignment, FindsARigidMotionWithoutKnowingWhoIsWho) {
       EXPECT_LT(error_m(evaluation.unaligned->T_truth_map, T_map_truth, 0.0, y_m), 0.04)
           << "seed " << seed;
     }
-    EXPECT_NEAR(evaluation.trees.rms_m, 0.05 * std::sqrt(2.0), 0.01);
+    EXPECT_NEAR(evaluation.trees.rmse, 0.05 * std::sqrt(2.0), 0.01);
     EXPECT_LE(evaluation.trees.num, static_cast<int>(truth.size()));
     EXPECT_GT(evaluation.trees.num, static_cast<int>(0.9 * truth.size()));
     EXPECT_EQ(evaluation.num_trees_missed + evaluation.trees.num, evaluation.num_trees);
@@ -88,7 +88,7 @@ TEST(MapAlignment, APathsGuessReachesFartherThanTheSearch) {
   const MapEvaluation found = evaluate_aligned_map(
       map, truth, 0.3, {}, geometry::Pose2{0.5 - origin.x_m, -origin.y_m, yaw_rad});
   EXPECT_LT(found.num_trees_missed, static_cast<int>(truth.size()) / 8);
-  EXPECT_LT(found.trees.rms_m, 0.06);
+  EXPECT_LT(found.trees.rmse, 0.06);
 }
 
 TEST(MapAlignment, LargeMapsAreTurnedFromTheirMiddleOutwards) {

@@ -51,8 +51,8 @@ TEST(EvaluateMap, ErrorsAreThoseOfThePlaces) {
   EXPECT_NEAR(evaluation.objects[0].error_x_m, 0.003, 1e-12);
   EXPECT_NEAR(evaluation.objects[0].error_y_m, 0.004, 1e-12);
   EXPECT_NEAR(evaluation.objects[0].error_m, 0.005, 1e-12);
-  EXPECT_NEAR(evaluation.all.rms_m, 0.005, 1e-12);
-  EXPECT_NEAR(evaluation.all.max_m, 0.005, 1e-12);
+  EXPECT_NEAR(evaluation.all.rmse, 0.005, 1e-12);
+  EXPECT_NEAR(evaluation.all.max, 0.005, 1e-12);
   EXPECT_NEAR(evaluation.se_x_mean_m, 0.004, 1e-12);
   EXPECT_NEAR(evaluation.se_y_mean_m, 0.006, 1e-12);
   EXPECT_NEAR(evaluation.roc_mean_trees, 0.8, 1e-12);
@@ -64,8 +64,8 @@ TEST(EvaluateMap, RmsWeighsLargeErrorsMoreThanTheMean) {
   const std::vector<Landmark> map{landmark(1, Label::kTree, 0.03, 0.0),
                                   landmark(2, Label::kTree, 5.0, 0.04)};
   const MapEvaluation evaluation = evaluate_map(map, truth, 0.3);
-  EXPECT_NEAR(evaluation.all.mean_m, 0.035, 1e-12);
-  EXPECT_NEAR(evaluation.all.rms_m, std::sqrt((0.0009 + 0.0016) / 2.0), 1e-12);
+  EXPECT_NEAR(evaluation.all.mean, 0.035, 1e-12);
+  EXPECT_NEAR(evaluation.all.rmse, std::sqrt((0.0009 + 0.0016) / 2.0), 1e-12);
 }
 
 TEST(EvaluateMap, NamesFollowTheOrderOfTheTruth) {
@@ -107,7 +107,7 @@ TEST(EvaluateMap, EmptyMapMissesEverything) {
   const MapEvaluation evaluation = evaluate_map({}, {thing(Label::kTree, 0, 0)}, 0.3);
   EXPECT_EQ(evaluation.num_missed, 1);
   EXPECT_EQ(evaluation.all.num, 0);
-  EXPECT_EQ(evaluation.all.rms_m, 0.0);
+  EXPECT_EQ(evaluation.all.rmse, 0.0);
 }
 
 TEST(EvaluateMap, RefusesTruthWithoutClass) {

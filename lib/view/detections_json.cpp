@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/detections_json.hpp"
 
+#include <fmt/core.h>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -32,8 +33,7 @@ std::optional<detection::TrunkView> window_of(const detection::Detection& d,
 }
 
 std::string rect_text(const vision::PixelRect& rect) {
-  return "[" + std::to_string(rect.x_px) + "," + std::to_string(rect.y_px) + "," +
-         std::to_string(rect.width_px) + "," + std::to_string(rect.height_px) + "]";
+  return fmt::format("[{},{},{},{}]", rect.x_px, rect.y_px, rect.width_px, rect.height_px);
 }
 
 }  // namespace
@@ -97,31 +97,26 @@ std::string scan_points_json(const laser::Scan& scan, const geometry::Pose2& T_m
 
 std::string detections_json(const detection::Detections& detections, const detection::Rig& rig,
                             const std::string& picture) {
-  std::string text = "\"picture\":\"" + picture +
-                     "\",\"width\":" + std::to_string(detection::picture_of(rig).width_px) +
-                     ",\"height\":" + std::to_string(detection::picture_of(rig).height_px) +
-                     ",\"trunks\":[";
-  bool is_first = true;
+  std::string trunks;
   for (const detection::Detection& d : detections.trunks) {
     const auto window = window_of(d, rig);
     if (!window) continue;
-    if (!is_first) text += ',';
-    is_first = false;
-    text += "{\"label\":" + std::to_string(label_number(d.label)) +
-            ",\"centre\":" + rect_text(window->centre) +
-            ",\"left_edge\":" + rect_text(window->left_edge) +
-            ",\"right_edge\":" + rect_text(window->right_edge) +
-            ",\"range\":" + fixed_text(d.range_m, 2);
+    trunks += fmt::format(R"({}{{"label":{},"centre":{},"left_edge":{},"right_edge":{},"range":{})",
+                          trunks.empty() ? "" : ",", label_number(d.label),
+                          rect_text(window->centre), rect_text(window->left_edge),
+                          rect_text(window->right_edge), fixed_text(d.range_m, 2));
     const std::pair<const char*, float> rocs[] = {
         {"laser", d.roc_laser},      {"colour", d.roc_colour},     {"left", d.roc_left_edge},
         {"right", d.roc_right_edge}, {"parallel", d.roc_parallel}, {"edges", d.roc_edges},
         {"vision", d.roc_vision},    {"tree", d.roc_tree}};
     for (const auto& [name, roc] : rocs) {
-      text += std::string(",\"") + name + "\":" + fixed_text(roc, 3);
+      trunks += fmt::format(R"(,"{}":{})", name, fixed_text(roc, 3));
     }
-    text += "}";
+    trunks += "}";
   }
-  return text + "]";
+  const vision::PixelRect whole = detection::picture_of(rig);
+  return fmt::format(R"("picture":"{}","width":{},"height":{},"trunks":[{}])", picture,
+                     whole.width_px, whole.height_px, trunks);
 }
 
 ShownPicture shown_picture(const vision::Image& image) {

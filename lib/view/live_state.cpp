@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/live_state.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -118,12 +119,9 @@ LiveMap::Changes LiveMap::changes_since(std::int64_t revision, std::size_t num_m
 }
 
 std::string landmark_changes_json(const LiveMap::Changes& changes) {
-  std::string removed;
-  for (const std::int32_t id : changes.removed_ids) {
-    removed += (removed.empty() ? "" : ",") + std::to_string(id);
-  }
-  return "\"landmarks\":" + landmark_columns_json(changes.landmarks, {}) + ",\"removed\":[" +
-         removed + "]";
+  const auto id_text = [](std::int32_t id) { return std::to_string(id); };
+  return fmt::format(R"("landmarks":{},"removed":{})", landmark_columns_json(changes.landmarks, {}),
+                     array_json(changes.removed_ids, id_text));
 }
 
 std::vector<Landmark> LiveMap::landmarks() const {
@@ -282,24 +280,22 @@ std::vector<std::string> LiveState::events_for(ViewerProgress& seen, bool& is_mo
   const bool is_new_path = is_new(seen.path_generation, path_.generation());
   if (is_new_path) seen.num_path_points = 0;
   if (is_new_path || seen.num_path_points != path_.points().size()) {
-    events.push_back(std::string("{\"kind\":\"path\",\"is_new\":") +
-                     (is_new_path ? "true" : "false") +
-                     ",\"points\":" + points_json(path_.points(), seen.num_path_points) + "}");
+    events.push_back(fmt::format(R"({{"kind":"path","is_new":{},"points":{}}})", is_new_path,
+                                 points_json(path_.points(), seen.num_path_points)));
     seen.num_path_points = path_.points().size();
   }
   if (is_new(seen.pose, num_poses_) && path_.last()) {
     const pose::PoseEstimate& p = *path_.last();
-    events.push_back("{\"kind\":\"pose\",\"utime\":" + std::to_string(p.utime) +
-                     ",\"x\":" + fixed_text(p.x_m, 3) + ",\"y\":" + fixed_text(p.y_m, 3) +
-                     ",\"yaw\":" + fixed_text(p.yaw_rad, 4) + ",\"covariance\":[" +
-                     shortest_text(p.covariance[0]) + "," + shortest_text(p.covariance[1]) + "," +
-                     shortest_text(p.covariance[3]) + "]}");
+    events.push_back(fmt::format(
+        R"({{"kind":"pose","utime":{},"x":{},"y":{},"yaw":{},"covariance":[{},{},{}]}})", p.utime,
+        fixed_text(p.x_m, 3), fixed_text(p.y_m, 3), fixed_text(p.yaw_rad, 4),
+        shortest_text(p.covariance[0]), shortest_text(p.covariance[1]),
+        shortest_text(p.covariance[3])));
   }
   if (is_new(seen.scan, num_scans_)) events.push_back(scan_event_);
   if (is_new(seen.observation, num_observations_)) {
-    events.push_back("{\"kind\":\"look\"," +
-                     detections_json(detections_, rig_, "n=" + std::to_string(num_observations_)) +
-                     "}");
+    const std::string picture = "n=" + std::to_string(num_observations_);
+    events.push_back("{\"kind\":\"look\"," + detections_json(detections_, rig_, picture) + "}");
   }
   return events;
 }

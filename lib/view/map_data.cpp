@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/map_data.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -19,17 +20,12 @@ std::string row_json(const mapping::Row& row) {
   for (const mapping::RowSlot& place : row.places) {
     if (place.landmark_id == 0) gaps.push_back(&place);
   }
-  return "{\"number\":" + std::to_string(row.number) +
-         ",\"first\":" + std::to_string(row.places.front().position) +
-         ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(tree_line(row)) +
-         ",\"gaps\":" +
-         array_json(gaps,
-                    [](const mapping::RowSlot* gap) {
-                      return "[" + std::to_string(gap->position) + "," +
-                             fixed_text(gap->p_map.x(), 3) + "," + fixed_text(gap->p_map.y(), 3) +
-                             "]";
-                    }) +
-         "}";
+  const auto gap_json = [](const mapping::RowSlot* gap) {
+    return fmt::format("[{},{}]", gap->position, point_text(gap->p_map));
+  };
+  return fmt::format(R"({{"number":{},"first":{},"spacing":{},"line":{},"gaps":{}}})", row.number,
+                     row.places.front().position, fixed_text(row.spacing_m, 3),
+                     line_json(tree_line(row)), array_json(gaps, gap_json));
 }
 
 }  // namespace
@@ -42,10 +38,12 @@ int kind_number(const Landmark& landmark) {
   return mapping::kind_of(landmark) == mapping::Kind::kTrunk ? 3 : label_number(landmark.label);
 }
 
+std::string point_text(const Eigen::Vector2d& p) {
+  return fixed_text(p.x(), 3) + "," + fixed_text(p.y(), 3);
+}
+
 std::string line_json(const std::vector<Eigen::Vector2d>& line) {
-  return array_json(line, [](const Eigen::Vector2d& p) {
-    return fixed_text(p.x(), 3) + "," + fixed_text(p.y(), 3);
-  });
+  return array_json(line, point_text);
 }
 
 std::vector<Eigen::Vector2d> tree_line(const mapping::Row& row) {
@@ -64,16 +62,15 @@ std::vector<Eigen::Vector2d> path_line(const std::vector<pose::PoseEstimate>& pa
 }
 
 std::string way_json(const mapping::NavigationEdge& way, const std::vector<Eigen::Vector2d>& line) {
-  const char* kind = way.kind == mapping::EdgeKind::kAlley ? "aisle" : "headland";
-  return std::string("{\"kind\":\"") + kind + "\",\"width\":" + fixed_text(way.width_m, 3) +
-         ",\"line\":" + line_json(line) + "}";
+  return fmt::format(R"({{"kind":"{}","width":{},"line":{}}})",
+                     way.kind == mapping::EdgeKind::kAlley ? "aisle" : "headland",
+                     fixed_text(way.width_m, 3), line_json(line));
 }
 
 std::string georeference_json(const geometry::Georeference& g) {
-  return "{\"latitude_deg\":" + fixed_text(g.latitude_deg, 8) +
-         ",\"longitude_deg\":" + fixed_text(g.longitude_deg, 8) +
-         ",\"yaw_rad\":" + fixed_text(g.yaw_rad, 6) +
-         ",\"residual_rms_m\":" + fixed_text(g.residual_rms_m, 3) + "}";
+  return fmt::format(R"({{"latitude_deg":{},"longitude_deg":{},"yaw_rad":{},"residual_rms_m":{}}})",
+                     fixed_text(g.latitude_deg, 8), fixed_text(g.longitude_deg, 8),
+                     fixed_text(g.yaw_rad, 6), fixed_text(g.residual_rms_m, 3));
 }
 
 std::string json_text(const std::string& text) {
@@ -142,11 +139,10 @@ std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_
 }
 
 std::string heading_json(const MapData& map_data) {
-  std::string text = "\"title\":" + json_text(map_data.title) +
-                     ",\"version\":" + json_text(map_data.version) +
-                     ",\"first_utime\":" + std::to_string(map_data.first_utime) +
-                     ",\"last_utime\":" + std::to_string(map_data.last_utime) +
-                     ",\"warnings\":" + array_json(map_data.warnings, json_text);
+  std::string text =
+      fmt::format(R"("title":{},"version":{},"first_utime":{},"last_utime":{},"warnings":{})",
+                  json_text(map_data.title), json_text(map_data.version), map_data.first_utime,
+                  map_data.last_utime, array_json(map_data.warnings, json_text));
   if (map_data.georeference) {
     text += ",\n\"georeference\":" + georeference_json(*map_data.georeference);
   }

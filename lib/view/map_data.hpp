@@ -89,6 +89,9 @@ std::string array_json(const Items& items, const TextOf& text_of) {
   return text + "]";
 }
 
+/// Formats `x, y` in metres.
+std::string point_text(const Eigen::Vector2d& p);
+
 /// Formats `[x, y, x, y ...]` in metres.
 std::string line_json(const std::vector<Eigen::Vector2d>& line);
 

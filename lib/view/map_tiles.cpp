@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/map_tiles.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <unordered_map>
 
@@ -55,9 +55,7 @@ std::string stamp_of(const std::vector<Landmark>& landmarks) {
     for (const double value : {l.x_m, l.y_m, l.width_m, l.probability, l.length_m}) add(value);
     for (const int value : {static_cast<int>(l.label), l.id, l.row, l.position}) add(value);
   }
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));
-  return text;
+  return fmt::format("{:016x}", sum);
 }
 
 /// Fractions of a segment at which it crosses borders of tiles, with 0 and 1.
@@ -145,7 +143,7 @@ void MapTiles::add_line(const std::vector<Vector2d>& line_map, std::int32_t numb
 std::vector<std::string> MapTiles::names() const {
   std::vector<std::string> names;
   for (const auto& [key, tile] : tiles_) {
-    names.push_back(std::to_string(key.first) + "_" + std::to_string(key.second));
+    names.push_back(fmt::format("{}_{}", key.first, key.second));
   }
   return names;
 }
@@ -181,8 +179,8 @@ std::string MapTiles::tiles_json() const {
   }
   std::string text = "{\"stamp\":\"" + stamp_ + "\",\"side\":" + fixed_text(side_m_, 0);
   text += ",\"places\":" + array_json(tiles_, [](const auto& entry) {
-            return std::to_string(entry.first.first) + "," + std::to_string(entry.first.second) +
-                   "," + std::to_string(entry.second.landmarks.size());
+            return fmt::format("{},{},{}", entry.first.first, entry.first.second,
+                               entry.second.landmarks.size());
           });
   text += ",\"counts\":" + array_json(counts_, [](std::int64_t n) { return std::to_string(n); });
   if (!box.isEmpty()) text += ",\"box\":" + line_json({box.min(), box.max()});
@@ -205,13 +203,11 @@ std::string MapTiles::overview_parts_json() const {
     for (const mapping::RowSlot& place : row.places) num_gaps += place.landmark_id == 0 ? 1 : 0;
     const auto& [number, sum_m] = trunks[row.number];
     const double mean_m = number > 0 ? sum_m / static_cast<double>(number) : 0.0;
-    return "{\"number\":" + std::to_string(row.number) +
-           ",\"first\":" + std::to_string(row.places.front().position) +
-           ",\"spacing\":" + fixed_text(row.spacing_m, 3) +
-           ",\"line\":" + line_json(geometry::thinned_line(tree_line(row), tolerance_m)) +
-           ",\"gaps\":[],\"trees\":" + std::to_string(number) +
-           ",\"num_gaps\":" + std::to_string(num_gaps) + ",\"trunk\":" + fixed_text(mean_m, 4) +
-           "}";
+    return fmt::format(
+        R"({{"number":{},"first":{},"spacing":{},"line":{},"gaps":[],"trees":{},"num_gaps":{},"trunk":{}}})",
+        row.number, row.places.front().position, fixed_text(row.spacing_m, 3),
+        line_json(geometry::thinned_line(tree_line(row), tolerance_m)), number, num_gaps,
+        fixed_text(mean_m, 4));
   };
   return "\"rows\":" + array_json(*data_.rows, row_text) + ",\"ways\":" +
          array_json(data_.graph->edges,
@@ -241,23 +237,22 @@ std::optional<std::string> MapTiles::tile_json(const std::string& name) const {
     landmarks.push_back((*data_.landmarks)[static_cast<std::size_t>(i)]);
   }
   const auto line_of = [](const Part& part) { return line_json(part.points_map); };
-  return "{\"stamp\":\"" + stamp_ +
-         "\",\"landmarks\":" + landmark_columns_json(landmarks, data_.georeference) +
-         ",\n\"gaps\":" +
-         array_json(tile.gaps,
-                    [](const auto& gap) {
-                      const auto& [row, slot] = gap;
-                      return "[" + std::to_string(row) + "," + std::to_string(slot->position) +
-                             "," + fixed_text(slot->p_map.x(), 3) + "," +
-                             fixed_text(slot->p_map.y(), 3) + "]";
-                    }) +
-         ",\n\"rows\":" + array_json(tile.rows, line_of) + ",\n\"ways\":" +
-         array_json(tile.ways,
-                    [&](const Part& part) {
-                      return way_json(data_.graph->edges[static_cast<std::size_t>(part.line)],
-                                      part.points_map);
-                    }) +
-         ",\n\"paths\":" + array_json(tile.paths, line_of) + "}";
+  const auto gap_json = [](const auto& gap) {
+    const auto& [row, slot] = gap;
+    return fmt::format("[{},{},{}]", row, slot->position, point_text(slot->p_map));
+  };
+  const auto part_json = [&](const Part& part) {
+    return way_json(data_.graph->edges[static_cast<std::size_t>(part.line)], part.points_map);
+  };
+  return fmt::format(
+      R"({{"stamp":"{}","landmarks":{},
+"gaps":{},
+"rows":{},
+"ways":{},
+"paths":{}}})",
+      stamp_, landmark_columns_json(landmarks, data_.georeference), array_json(tile.gaps, gap_json),
+      array_json(tile.rows, line_of), array_json(tile.ways, part_json),
+      array_json(tile.paths, line_of));
 }
 
 std::string MapTiles::index_json() const {

@@ -115,29 +115,18 @@ LogPage::~LogPage() {
 }
 
 void LogPage::index() {
-  const std::string scan(bus::info(Channel::kScan).name);
-  const std::string image(bus::info(Channel::kImage).name);
-  Places scans, images;
-  {
-    const std::lock_guard<std::mutex> lock(log_mutex_);
-    while (const auto event = reader_->next()) {
-      if (is_stopping_) throw Stopped();
-      if (event->channel == scan) {
-        if (const auto message = decoded<laser::Scan>(Channel::kScan, event->data)) {
-          scans.emplace_back(message->utime, event->offset);
-        }
-      } else if (event->channel == image) {
-        if (const auto message = decoded<vision::Image>(Channel::kImage, event->data)) {
-          images.emplace_back(message->utime, event->offset);
-        }
-      }
+  const std::lock_guard<std::mutex> lock(log_mutex_);
+  while (const auto event = reader_->next()) {
+    if (is_stopping_) throw Stopped();
+    const auto channel = bus::find_channel(event->channel);
+    if (channel == Channel::kScan) {
+      const auto scan = decoded<laser::Scan>(Channel::kScan, event->data);
+      if (scan) scans_.emplace(scan->utime, event->offset);
+    } else if (channel == Channel::kImage) {
+      const auto image = decoded<vision::Image>(Channel::kImage, event->data);
+      if (image) images_.emplace(image->utime, event->offset);
     }
   }
-  std::sort(scans.begin(), scans.end());
-  std::sort(images.begin(), images.end());
-  const std::lock_guard<std::mutex> lock(mutex_);
-  scans_ = std::move(scans);
-  images_ = std::move(images);
 }
 
 void LogPage::map() {
@@ -159,7 +148,7 @@ void LogPage::map() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (const auto* seen = std::get_if<detection::Detections>(message)) {
       record_.take(*seen);
-      detections_.push_back({utime, spill_->append(data), data.size()});
+      detections_.emplace(utime, Stored{spill_->append(data), data.size()});
     }
     if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) record_.take(*pose);
     if (const auto* page = std::get_if<pose::TrajectoryPage>(message)) record_.take(*page);
@@ -198,73 +187,58 @@ std::string LogPage::news(const Parameters& parameters) const {
          ",\"problem\":" + view::json_text(has_failed ? outcome_ : "") + finish_json_ + "}";
 }
 
+/// The message of that time in the log, if any.
+template <class Kind>
+std::optional<Kind> LogPage::read(const Places& places, Channel channel, std::int64_t utime) const {
+  const std::lock_guard<std::mutex> lock(log_mutex_);
+  const auto place = places.find(utime);
+  if (place == places.end()) return std::nullopt;
+  return decoded<Kind>(channel, reader_->read_at(place->second).data);
+}
+
+std::optional<detection::Detections> LogPage::detections_of(std::int64_t utime) const {
+  Stored stored;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = detections_.find(utime);
+    if (found == detections_.end()) return std::nullopt;
+    stored = found->second;
+  }
+  return decoded<detection::Detections>(Channel::kDetections,
+                                        spill_->read(stored.offset, stored.size));
+}
+
 std::optional<std::string> LogPage::step(std::size_t at) const {
   std::int64_t utime = 0;
   std::optional<geometry::Pose2> pose;
-  std::optional<Stored> stored;
-  std::optional<std::uint64_t> scan_offset;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (at >= record_.num_steps()) return std::nullopt;
     utime = record_.utime_of(at);
     pose = record_.pose_at(at);
-    const auto found =
-        std::lower_bound(detections_.begin(), detections_.end(), utime,
-                         [](const Stored& s, std::int64_t t) { return s.utime < t; });
-    if (found != detections_.end() && found->utime == utime) stored = *found;
-    const auto scan =
-        std::lower_bound(scans_.begin(), scans_.end(), std::pair(utime, std::uint64_t{0}));
-    if (scan != scans_.end() && scan->first == utime) scan_offset = scan->second;
   }
   const detection::Rig rig(config_.laser, config_.camera, config_.detector);
   std::string text = "{\"step\":" + std::to_string(at) + ",\"utime\":" + std::to_string(utime);
-  if (pose && scan_offset) {
-    std::optional<laser::Scan> scan;
-    {
-      const std::lock_guard<std::mutex> lock(log_mutex_);
-      scan = decoded<laser::Scan>(Channel::kScan, reader_->read_at(*scan_offset).data);
-    }
-    if (scan) text += ",\"points\":" + view::scan_points_json(*scan, *pose, rig);
-  }
-  if (stored) {
-    const auto detections = decoded<detection::Detections>(
-        Channel::kDetections, spill_->read(stored->offset, stored->size));
-    if (detections && detections->image_utime != 0) {
-      text +=
-          ",\"look\":{" + view::detections_json(*detections, rig, "at=" + std::to_string(at)) + "}";
-    }
+  const auto scan = pose ? read<laser::Scan>(scans_, Channel::kScan, utime) : std::nullopt;
+  if (scan) text += ",\"points\":" + view::scan_points_json(*scan, *pose, rig);
+  const auto detections = detections_of(utime);
+  if (detections && detections->image_utime != 0) {
+    text +=
+        ",\"look\":{" + view::detections_json(*detections, rig, "at=" + std::to_string(at)) + "}";
   }
   return text + "}";
 }
 
 std::optional<PageAnswer> LogPage::picture(std::size_t at) const {
-  std::optional<Stored> stored;
-  std::optional<std::uint64_t> offset;
+  std::int64_t utime = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (at >= record_.num_steps()) return std::nullopt;
-    const std::int64_t utime = record_.utime_of(at);
-    const auto found =
-        std::lower_bound(detections_.begin(), detections_.end(), utime,
-                         [](const Stored& s, std::int64_t t) { return s.utime < t; });
-    if (found == detections_.end() || found->utime != utime) return std::nullopt;
-    stored = *found;
+    utime = record_.utime_of(at);
   }
-  const auto detections = decoded<detection::Detections>(
-      Channel::kDetections, spill_->read(stored->offset, stored->size));
+  const auto detections = detections_of(utime);
   if (!detections) return std::nullopt;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = std::lower_bound(images_.begin(), images_.end(),
-                                        std::pair(detections->image_utime, std::uint64_t{0}));
-    if (found == images_.end() || found->first != detections->image_utime) return std::nullopt;
-    offset = found->second;
-  }
-  std::optional<vision::Image> image;
-  {
-    const std::lock_guard<std::mutex> lock(log_mutex_);
-    image = decoded<vision::Image>(Channel::kImage, reader_->read_at(*offset).data);
-  }
+  const auto image = read<vision::Image>(images_, Channel::kImage, detections->image_utime);
   if (!image) return std::nullopt;
   const view::ShownPicture shown = view::shown_picture(*image);
   return PageAnswer{200, shown.type, shown.bytes};

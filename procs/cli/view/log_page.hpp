@@ -2,13 +2,16 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
+#include "bus/messages/channel.hpp"
+#include "detection/detection.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_series.hpp"
 #include "view/drive_record.hpp"
@@ -42,10 +45,9 @@ class LogPage : public procs::PageContent {
   std::string outcome() const;
 
  private:
-  /// (utime, offset in the log) of each message.
-  using Places = std::vector<std::pair<std::int64_t, std::uint64_t>>;
+  /// Offset in the log of each message, by utime.
+  using Places = std::map<std::int64_t, std::uint64_t>;
   struct Stored {
-    std::int64_t utime = 0;
     std::uint64_t offset = 0, size = 0;
   };
   struct Spill;  ///< the file of detections
@@ -53,6 +55,9 @@ class LogPage : public procs::PageContent {
   void index();
   void map();
   std::string news(const Parameters& parameters) const;
+  template <class Kind>
+  std::optional<Kind> read(const Places& places, bus::Channel channel, std::int64_t utime) const;
+  std::optional<detection::Detections> detections_of(std::int64_t utime) const;
   std::optional<std::string> step(std::size_t at) const;
   std::optional<procs::PageAnswer> picture(std::size_t at) const;
 
@@ -60,13 +65,13 @@ class LogPage : public procs::PageContent {
   io::Config config_;
   std::string boot_;  ///< identifies this run of the server: the page of an earlier run reloads
   std::string page_;
-  Places scans_, images_;
-  mutable std::mutex log_mutex_;  ///< guards the reader
+  mutable std::mutex log_mutex_;  ///< guards the reader and the places in its log
   std::unique_ptr<io::LogSeries> reader_;
+  Places scans_, images_;
   std::unique_ptr<Spill> spill_;
   mutable std::mutex mutex_;  ///< guards all below
   view::DriveRecord record_;
-  std::vector<Stored> detections_;
+  std::map<std::int64_t, Stored> detections_;  ///< by utime
   std::string finish_json_;  ///< rows, navigation graph and georeference, after mapping
   std::string outcome_;
   double fraction_ = 0.0;

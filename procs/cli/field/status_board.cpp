@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/field/status_board.hpp"
 
+#include <fmt/core.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
@@ -83,12 +84,6 @@ std::string cut(std::string line, std::size_t width) {
   return line;
 }
 
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), seconds < 9.95 ? "%.1f s" : "%.0f s", seconds);
-  return text;
-}
-
 const char* colour_of(const std::string& word) {
   if (word == "ok") return kGreen;
   return word == "waiting" || word == "warning" ? kYellow : kRed;
@@ -100,14 +95,13 @@ std::string remarks(const ProcessView& process) {
   const auto add = [&text](const std::string& words) {
     text += (text.empty() ? "" : "; ") + words;
   };
-  if (process.age_s > kSilent_s) add("no STATUS for " + seconds_text(process.age_s));
+  if (process.age_s > kSilent_s) {
+    add(fmt::format("no STATUS for {:.{}f} s", process.age_s, process.age_s < 9.95 ? 1 : 0));
+  }
   if (std::abs(process.clock_offset_s) > kClockOffsetMax_s) {
-    char words[96];
-    std::snprintf(words, sizeof(words),
-                  "its clock is %.3f s %s this machine's: synchronise the clocks (chrony)",
-                  std::abs(process.clock_offset_s),
-                  process.clock_offset_s > 0 ? "ahead of" : "behind");
-    add(words);
+    add(fmt::format("its clock is {:.3f} s {} this machine's: synchronise the clocks (chrony)",
+                    std::abs(process.clock_offset_s),
+                    process.clock_offset_s > 0 ? "ahead of" : "behind"));
   }
   return text;
 }
@@ -128,10 +122,11 @@ bool needs_attention(const ProcessView& process) {
 
 std::string status_table(const std::vector<ProcessView>& processes, std::size_t width,
                          bool colour) {
-  char line[512];
-  std::snprintf(line, sizeof(line), "%-24s %-12s %-8s %8s %10s %9s %7s %7s", "process", "host",
-                "state", "in Hz", "latency ms", "out", "lost", "refused");
-  std::string text = cut(line, width) + "\n";
+  std::string text =
+      cut(fmt::format("{:<24} {:<12} {:<8} {:>8} {:>10} {:>9} {:>7} {:>7}", "process", "host",
+                      "state", "in Hz", "latency ms", "out", "lost", "refused"),
+          width) +
+      "\n";
   for (const ProcessView& process : processes) text += process_lines(process, width, colour);
   if (processes.empty())
     text += "no process has reported its status yet; start one with `orchard live`\n";
@@ -141,18 +136,14 @@ std::string status_table(const std::vector<ProcessView>& processes, std::size_t 
 std::string process_lines(const ProcessView& process, std::size_t width, bool colour) {
   const bus::Status& s = process.status;
   const std::string word = state_word(process);
-  char line[512];
-  std::snprintf(line, sizeof(line), "%-24.24s %-12.12s ", printable_text(s.name).c_str(),
-                printable_text(s.host).c_str());
-  std::string row = line;
-  char state[16];
-  std::snprintf(state, sizeof(state), "%-8s", word.c_str());
-  std::snprintf(line, sizeof(line), " %8.1f %10.2f %9lld %7lld %7lld", process.input_hz,
-                1e3 * s.latency_max_s, static_cast<long long>(s.num_published),
-                static_cast<long long>(s.num_lost), static_cast<long long>(s.num_bad));
-  const std::string rest = cut(line, width > row.size() + 8 ? width - row.size() - 8 : width);
-  std::string text =
-      row + (colour ? colour_of(word) + std::string(state) + kPlain : state) + rest + "\n";
+  const std::string row =
+      fmt::format("{:<24.24} {:<12.12} ", printable_text(s.name), printable_text(s.host));
+  const std::string state = fmt::format("{:<8}", word);
+  const std::string rest =
+      cut(fmt::format(" {:8.1f} {:10.2f} {:9} {:7} {:7}", process.input_hz, 1e3 * s.latency_max_s,
+                      s.num_published, s.num_lost, s.num_bad),
+          width > row.size() + 8 ? width - row.size() - 8 : width);
+  std::string text = row + (colour ? colour_of(word) + state + kPlain : state) + rest + "\n";
   if (const std::string words = remarks(process); !words.empty()) {
     text += cut("    " + words, width) + "\n";
   }

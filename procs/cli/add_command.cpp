@@ -8,11 +8,10 @@
 
 namespace orchard::cli {
 
-CLI::App& add_subcommand(CLI::App& app, const char* name, const char* description,
-                         const char* examples) {
-  CLI::App* command = app.add_subcommand(name, description);
-  command->footer(std::string("Examples:\n") + examples);
-  return *command;
+CLI::App& add_subcommand(CLI::App& app, const char* name) { return *app.add_subcommand(name); }
+
+CLI::App& add_group(CLI::App& app, const char* name) {
+  return *app.add_subcommand(name)->require_subcommand(1);
 }
 
 void on_command(CLI::App& command, std::function<void()> callback) {
@@ -23,35 +22,44 @@ void on_command(CLI::App& command, std::function<void()> callback) {
 }
 
 template <class Value>
-CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* type,
-                       const char* description) {
-  return command.add_option(name, value, description)->type_name(type);
+CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* type) {
+  return command.add_option(name, value)->type_name(type);
 }
 
 template <class Value>
-CLI::Option* add_required(CLI::App& command, const char* name, Value& value, const char* type,
-                          const char* description) {
-  return add_value(command, name, value, type, description)->required();
+CLI::Option* add_required(CLI::App& command, const char* name, Value& value, const char* type) {
+  return add_value(command, name, value, type)->required();
 }
 
 template <class Value>
-CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi,
-                         const char* description) {
-  return command.add_option(name, value, description)
-      ->check(CLI::Range(lo, hi))
-      ->capture_default_str();
+CLI::Option* add_shown(CLI::App& command, const char* name, Value& value) {
+  return command.add_option(name, value)->capture_default_str();
 }
 
-#define ORCHARD_OPTION_OF(Value)                                                             \
-  template CLI::Option* add_value(CLI::App&, const char*, Value&, const char*, const char*); \
-  template CLI::Option* add_required(CLI::App&, const char*, Value&, const char*, const char*);
+template <class Value>
+CLI::Option* add_checked(CLI::App& command, const char* name, Value& value,
+                         const CLI::Validator& check) {
+  return add_shown(command, name, value)->check(check);
+}
+
+template <class Value>
+CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi) {
+  return add_checked(command, name, value, CLI::Range(lo, hi));
+}
+
+#define ORCHARD_OPTION_OF(Value)                                                   \
+  template CLI::Option* add_value(CLI::App&, const char*, Value&, const char*);    \
+  template CLI::Option* add_required(CLI::App&, const char*, Value&, const char*); \
+  template CLI::Option* add_shown(CLI::App&, const char*, Value&);                 \
+  template CLI::Option* add_checked(CLI::App&, const char*, Value&, const CLI::Validator&);
 #define ORCHARD_NUMBER_OF(Value) \
   ORCHARD_OPTION_OF(Value)       \
-  template CLI::Option* add_limited(CLI::App&, const char*, Value&, Value, Value, const char*);
+  template CLI::Option* add_limited(CLI::App&, const char*, Value&, Value, Value);
 ORCHARD_OPTION_OF(std::string)
 ORCHARD_OPTION_OF(std::vector<std::string>)
 ORCHARD_OPTION_OF(std::vector<double>)
 ORCHARD_OPTION_OF(std::int64_t)
+ORCHARD_OPTION_OF(std::uint64_t)
 ORCHARD_NUMBER_OF(double)
 ORCHARD_NUMBER_OF(int)
 

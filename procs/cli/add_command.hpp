@@ -8,6 +8,7 @@
 namespace CLI {
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace orchard::mapping {
@@ -19,9 +20,11 @@ namespace orchard::cli {
 /// The action of the command line; the callback of the given subcommand sets it.
 using Run = std::function<int()>;
 
-/// Adds a subcommand to `app`, with examples under its help.
-CLI::App& add_subcommand(CLI::App& app, const char* name, const char* description,
-                         const char* examples);
+/// Adds a subcommand to `app`. What the help says of it and of its options stands in help.txt.
+CLI::App& add_subcommand(CLI::App& app, const char* name);
+
+/// Adds one that needs a subcommand.
+CLI::App& add_group(CLI::App& app, const char* name);
 
 /// Calls `callback` if the command line ends with this command, without a subcommand.
 void on_command(CLI::App& command, std::function<void()> callback);
@@ -44,35 +47,39 @@ int run_command(const CLI::App& command, int (*function)(const Options&), const 
   return function ? function(options) : replace_by_program(program_of(command));
 }
 
-/// Adds a subcommand with its options. The options live in a closure on the heap, as long as the
-/// App that fills them.
+/// Adds a subcommand with the options that `declare` adds. They live in a closure on the heap, as
+/// long as the App that fills them.
 template <class Options>
-CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* description,
-                      const char* examples, int (*function)(const Options&),
-                      const std::function<void(CLI::App&, Options&)>& add_options) {
+void add_command(CLI::App& app, Run& run, const char* name, int (*function)(const Options&),
+                 void (*declare)(CLI::App&, Options&)) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = add_subcommand(app, name, description, examples);
-  add_options(command, *options);
+  CLI::App& command = add_subcommand(app, name);
+  declare(command, *options);
   on_command(command, [&run, &command, options, function] {
     run = [&command, options, function] { return run_command(command, function, *options); };
   });
-  return command;
 }
 
 /// Adds an option, or an argument where `name` has no dashes, whose help names its values `type`.
 template <class Value>
-CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* type,
-                       const char* description);
+CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* type);
 
 /// The same, without which the command is refused.
 template <class Value>
-CLI::Option* add_required(CLI::App& command, const char* name, Value& value, const char* type,
-                          const char* description);
+CLI::Option* add_required(CLI::App& command, const char* name, Value& value, const char* type);
 
-/// Adds an option for a number in [lo, hi], whose help names limits and default.
+/// Adds an option whose help shows its default.
 template <class Value>
-CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi,
-                         const char* description);
+CLI::Option* add_shown(CLI::App& command, const char* name, Value& value);
+
+/// The same for a value that passes a check, which the help shows, too.
+template <class Value>
+CLI::Option* add_checked(CLI::App& command, const char* name, Value& value,
+                         const CLI::Validator& check);
+
+/// The same for a number in [lo, hi].
+template <class Value>
+CLI::Option* add_limited(CLI::App& command, const char* name, Value& value, Value lo, Value hi);
 
 /// Adds all commands of `orchard`, in the order of its help.
 void add_all_commands(CLI::App& app, Run& run);

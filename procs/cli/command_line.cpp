@@ -6,8 +6,12 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <set>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -18,6 +22,9 @@
 #include "io/file_error.hpp"
 
 namespace orchard::cli {
+
+extern const char* const kHelp;  ///< help.txt
+
 namespace {
 
 constexpr const char* kConfigFolder = "config";
@@ -105,16 +112,58 @@ void set_up_help(CLI::App& app) {
   app.formatter(formatter);
 }
 
-/// Adds --version to every command and completes examples with the paths of the rigs of config/.
-/// Call it after all commands have been added.
-void finish_help(CLI::App& app) {
+/// What help.txt says in a section.
+struct HelpText {
+  std::string description;
+  std::map<std::string, std::string> options;  ///< by name
+  std::string examples;
+};
+
+HelpText help_of(const std::string& section) {
+  HelpText help;
+  const std::string all = kHelp, head = "[" + section + "]\n";
+  const std::size_t at = all.find(head);
+  if (at == std::string::npos) return help;
+  std::istringstream lines(all.substr(at + head.size(), all.find("\n[", at) - at - head.size()));
+  std::getline(lines, help.description);
+  for (std::string line; std::getline(lines, line) && !line.empty();) {
+    const std::size_t colon = line.find(": ");
+    help.options[line.substr(0, colon)] = line.substr(colon + 2);
+  }
+  help.examples.assign(std::istreambuf_iterator<char>(lines), {});
+  return help;
+}
+
+/// Gives an option the description in help.txt: of the command, else of all that have such an
+/// option.
+void describe(CLI::Option& option, const HelpText& own, const HelpText& common,
+              const std::string& title) {
+  if (!option.get_description().empty()) return;
+  const std::string name = option.get_name();
+  for (const HelpText* help : {&own, &common}) {
+    const auto found = help->options.find(name);
+    if (found != help->options.end()) return void(option.description(found->second));
+  }
+  throw std::logic_error("help.txt says nothing of " + title + " " + name);
+}
+
+/// Adds --version to every command, and what help.txt says of it, with the paths of the rigs of
+/// config/. Call it after all commands have been added.
+void finish_help(CLI::App& app, const HelpText& common) {
   app.set_version_flag("-V,--version", "orchard " ORCHARD_VERSION, "print the version and exit");
   if (CLI::Option* help = app.get_help_ptr()) help->description("print this help and exit");
-  const std::string folder = config_folder();
-  app.footer(replace_all(app.get_footer(), std::string(kConfigFolder) + "/", folder + "/"));
+  const std::string title = title_of(app);
+  const HelpText own = help_of(title);
+  if (!own.description.empty()) app.description(own.description);
+  for (CLI::Option* option : app.get_options([](CLI::Option*) { return true; })) {
+    describe(*option, own, common, title);
+  }
+  if (!own.examples.empty()) app.footer("Examples:\n" + own.examples);
+  app.footer(
+      replace_all(app.get_footer(), std::string(kConfigFolder) + "/", config_folder() + "/"));
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
     command->group("Commands");
-    finish_help(*command);
+    finish_help(*command, common);
   }
 }
 
@@ -226,7 +275,7 @@ int run_command_line(int given_argc, char** given_argv) {
   Run run;
   add_all_commands(app, run);
   app.add_subcommand("help", "Explain a command, for example: orchard help map");
-  finish_help(app);
+  finish_help(app, help_of("options"));
 
   std::string problem;
   const CLI::App* command = find_command(app, argc, argv, problem);

@@ -19,7 +19,6 @@
 #include "io/gis/edited_map_file.hpp"
 #include "io/map/corrected_map.hpp"
 #include "io/map/corrections_file.hpp"
-#include "io/map/map_edit.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
@@ -28,21 +27,11 @@ namespace orchard::cli {
 namespace {
 
 io::MapEdit edit_of(const EditOptions& options) {
-  io::MapEdit edit;
-  edit.kind = options.kind;
-  edit.trees = options.trees;
-  if (!options.tree.empty()) edit.trees.push_back(options.tree);
+  io::MapEdit edit = options.edit;
   for (std::size_t i = 0; i + 1 < options.at_m.size(); i += 2) {
     edit.places_map.push_back({options.at_m[i], options.at_m[i + 1]});
   }
-  edit.class_word = options.class_word;
-  edit.width_m = options.width_m;
-  edit.row = options.row;
-  edit.name = options.name;
-  edit.position = options.position;
-  edit.of = options.of;
-  edit.who = options.who.empty() ? person() : options.who;
-  edit.note = options.note;
+  if (edit.who.empty()) edit.who = person();
   return edit;
 }
 
@@ -77,7 +66,7 @@ int run_edit(const EditOptions& options) {
     std::fprintf(stderr, "orchard edit: warning: %s\n", sentence.c_str());
   }
   using mapping::CorrectionKind;
-  if (options.kind != CorrectionKind::kUndo && options.kind != CorrectionKind::kRedo) {
+  if (options.edit.kind != CorrectionKind::kUndo && options.edit.kind != CorrectionKind::kRedo) {
     std::printf("  to undo it: `orchard edit undo %s`\n", options.map_folder.c_str());
   }
   return bus::kExitOk;

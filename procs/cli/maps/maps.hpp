@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "io/gis/plan_file.hpp"
+#include "io/map/map_edit.hpp"
 #include "mapping/compare/map_alignment.hpp"
 #include "mapping/compare/map_comparison.hpp"
-#include "mapping/corrections/correction.hpp"
 #include "mapping/plan/plan_match.hpp"
 
 namespace orchard::cli {
@@ -74,20 +74,10 @@ struct MergeOptions {
 /// `orchard edit KIND MAP ...`.
 struct EditOptions {
   std::string map_folder;
-  mapping::CorrectionKind kind = mapping::CorrectionKind::kNote;
-  std::string tree;                ///< id, or row/tree
-  std::vector<std::string> trees;  ///< the same, for merge
-  std::vector<double> at_m;        ///< x y [x y] in map
-  std::string class_word = "tree";
-  double width_m = 0.0;
-  std::string row;
-  std::string name;
-  int position = 0;
-  int of = 0;  ///< number of the correction for undo and redo; 0: the last
-  std::string who;
-  std::string note;
-  std::string out_folder;  ///< apply
-  bool json = false;       ///< list, check
+  io::MapEdit edit;
+  std::vector<double> at_m;  ///< x y [x y] in map
+  std::string out_folder;    ///< apply
+  bool json = false;         ///< list, check
 };
 
 /// Adds one correction to the map's corrections; returns the exit code. Throws io::FileError,

@@ -17,9 +17,9 @@
 
 #include "bus/process/process.hpp"
 #include "cli/add_command.hpp"
-#include "cli/paths.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
+#include "text/nearest_word.hpp"
 
 namespace orchard::cli {
 
@@ -177,7 +177,7 @@ std::vector<std::string> words_of(const CLI::App& app) {
 
 std::string with_suggestion(const std::string& sentence, const std::string& word,
                             const std::vector<std::string>& candidates) {
-  const std::string near = nearest_word(word, candidates);
+  const std::string near = nearest_word(word, candidates, word.size() / 3 + 2);
   return sentence + (near.empty() ? "" : "; did you mean " + near + "?");
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "io/config/config_file.hpp"
+#include "text/nearest_word.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -20,35 +21,6 @@ namespace {
 
 /// Max length of a list; far above that of any list in a rig.
 constexpr std::size_t kMaxNumbers = 4096;
-
-/// Levenshtein distance.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
-
-std::string nearest(const std::string& key, const std::set<std::string>& candidates) {
-  std::string best;
-  std::size_t best_distance = ~std::size_t{0};
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(key, candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best;
-}
 
 std::string scalar_text(const YAML::Node& node) {
   if (node.IsScalar()) return node.Scalar();
@@ -87,7 +59,8 @@ class Reader : public ConfigVisitor {
       if (unknown_ == UnknownKeys::kNote) {
         ignored += (num_ignored++ > 0 ? ", " : "") + key + " = " + scalar_text(entry.second);
       } else {
-        problems.push_back(where + ": unknown key; did you mean " + nearest(key, section_->known) +
+        problems.push_back(where + ": unknown key; did you mean " +
+                           nearest_word(key, {section_->known.begin(), section_->known.end()}) +
                            "?");
       }
     }

@@ -36,12 +36,12 @@
 #include "bus/node/stop_signal.hpp"
 #include "bus/process/process.hpp"
 #include "cli/field/status_board.hpp"
-#include "cli/paths.hpp"
 #include "io/companion.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/log/log_reader.hpp"
+#include "text/nearest_word.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -264,7 +264,7 @@ std::set<std::string> named(const std::vector<std::string>& names,
       if (is_meant) found.insert(plan.name);
     }
     if (found.size() == before && name != "drivers") {
-      const std::string near = nearest_word(name, known);
+      const std::string near = nearest_word(name, known, name.size() / 3 + 2);
       throw io::FileError("--only or --without: this rig has no process \"" + name + "\"" +
                           (near.empty() ? "" : "; did you mean " + near + "?"));
     }

@@ -13,7 +13,6 @@
 #include "detector/detector_node.hpp"
 #include "evaluation/localisation_evaluation.hpp"
 #include "io/atomic_file.hpp"
-#include "io/figure/localisation_figure.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/log/log_series.hpp"
@@ -141,9 +140,6 @@ int run_evaluate_localisation(const EvaluateLocalisationOptions& options) {
     io::make_folder(options.out_folder, "choose another folder with --out");
     io::write_file_atomically(options.out_folder + "/localisation.csv",
                               localisation_csv(evaluation));
-    io::write_file_atomically(options.out_folder + "/localisation.png",
-                              io::localisation_figure(evaluation, logs.text() + " in " + map_file,
-                                                      io::FigureFormat::kPng));
     io::write_trajectory_csv(options.out_folder + "/trajectory.csv", run.poses);
   }
   std::fputs(

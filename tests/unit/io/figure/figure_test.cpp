@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "io/figure/canvas.hpp"
-#include "io/figure/localisation_figure.hpp"
 #include "io/figure/map_figure.hpp"
 #include "io/figure/overlay_figure.hpp"
 #include "io/figure/plot_axes.hpp"
@@ -539,33 +538,6 @@ TEST(ScanFigure, WhatIsRefusedIsDrawnAsSuch) {
   EXPECT_TRUE(is_drawn(4.02, -1.2, refused));
   EXPECT_FALSE(is_drawn(4.02, -1.2, taken));
   EXPECT_GT(cv::countNonZero(pixels_of(plot, refused)), 150) << "the wall's ring is large";
-}
-
-/// Ten seconds: lost for two, ambiguous for two, then 0.5 m off, and at last 5 m.
-TEST(LocalisationFigure, StatesAndErrorsStandAtTheirTimes) {
-  evaluation::LocalisationEvaluation run;
-  for (int i = 0; i <= 10; ++i) {
-    evaluation::ShadowMoment m;
-    m.time_s = i;
-    m.state = i <= 2   ? evaluation::PlaceState::kLost
-              : i <= 4 ? evaluation::PlaceState::kAmbiguous
-                       : evaluation::PlaceState::kPlaced;
-    if (i > 4) m.error_m = i < 10 ? 0.5 : 5.0;
-    run.moments.push_back(m);
-  }
-  const cv::Mat picture = decoded(localisation_figure(run, "a drive", FigureFormat::kPng));
-  const cv::Mat plot = picture(cv::Rect(70, 68, 1000, 360));  // 10 s wide, 2 m high
-  const auto box_of = [&plot](Colour colour) {
-    std::vector<cv::Point> found;
-    cv::findNonZero(pixels_of(plot, colour), found);
-    return found.empty() ? cv::Rect() : cv::boundingRect(found);
-  };
-  EXPECT_NEAR(box_of({215, 215, 215}).br().x, 200, 2);
-  EXPECT_NEAR(box_of({250, 235, 170}).x, 200, 2);
-  EXPECT_NEAR(box_of({250, 235, 170}).br().x, 400, 2);
-  const cv::Rect error = box_of({200, 40, 30});
-  EXPECT_NEAR(error.x, 500, 2);
-  EXPECT_NEAR(error.br().y, 270, 2);  // 0.5 m of 2 m
 }
 
 TEST(OverlayFigure, PointsAndEdgesStandOnTheirPixels) {

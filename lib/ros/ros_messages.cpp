@@ -13,8 +13,15 @@ namespace {
 constexpr std::size_t kCdrHeaderBytes = 4;
 
 constexpr std::size_t kMaxFields = 256;
+/// derived: empty names, in ROS 1 a header of 16 bytes, a name of 4 and seven numbers.
+constexpr std::size_t kTransformBytesMin = 16 + 4 + 7 * sizeof(double);
 
 NotUsed cut_short() { return {"shorter than its type requires"}; }
+
+/// tf of ROS 1 began the names of frames with a slash.
+std::string without_slash(const std::string& frame) {
+  return frame.substr(frame.rfind('/', 0) == 0 ? 1 : 0);
+}
 
 Header read_header(RosReader& reader) {
   if (reader.wire() == Wire::kRos1) reader.number<std::uint32_t>();  // seq
@@ -23,7 +30,7 @@ Header read_header(RosReader& reader) {
   const std::int64_t seconds = reader.number<std::uint32_t>();
   const std::int64_t nanoseconds = reader.number<std::uint32_t>();
   header.utime = seconds * 1'000'000 + nanoseconds / 1000;
-  header.frame = reader.text();
+  header.frame = without_slash(reader.text());
   return header;
 }
 
@@ -169,7 +176,10 @@ MessageType message_type(std::string_view name) {
       {"sensor_msgs/NavSatFix", MessageType::kNavSatFix},
       {"nav_msgs/Odometry", MessageType::kOdometry},
       {"geometry_msgs/PoseStamped", MessageType::kPose},
-      {"geometry_msgs/PoseWithCovarianceStamped", MessageType::kPoseWithCovariance}};
+      {"geometry_msgs/PoseWithCovarianceStamped", MessageType::kPoseWithCovariance},
+      {"tf2_msgs/TFMessage", MessageType::kTransforms},
+      {"tf/tfMessage", MessageType::kTransforms},
+      {"sensor_msgs/CameraInfo", MessageType::kCameraInfo}};
   std::string plain(name);
   const std::size_t middle = plain.find("/msg/");
   if (middle != std::string::npos) plain.erase(middle, 4);
@@ -177,8 +187,12 @@ MessageType message_type(std::string_view name) {
   return found != kTypes.end() ? found->second : MessageType::kNone;
 }
 
-std::variant<Header, NotUsed> decode_header(const void* data, std::size_t size, Wire wire) {
+std::variant<Header, NotUsed> decode_header(const void* data, std::size_t size, Wire wire,
+                                            MessageType type) {
   RosReader reader(data, size, wire);
+  if (type == MessageType::kTransforms && reader.count(kTransformBytesMin) == 0) {
+    return NotUsed{"it has no transform"};
+  }
   Header header = read_header(reader);
   if (!reader.ok()) return cut_short();
   return header;
@@ -275,7 +289,7 @@ std::variant<Odometry, NotUsed> decode_odometry(const void* data, std::size_t si
   RosReader reader(data, size, wire);
   Odometry odometry;
   const Header header = read_header(reader);
-  reader.text();  // child_frame_id
+  odometry.base_frame = without_slash(reader.text());
   const Pose pose = read_pose(reader);
   const auto pose_covariance = read_doubles<36>(reader);
   const auto twist = read_doubles<6>(reader);
@@ -303,6 +317,49 @@ std::variant<pose::PoseFix, NotUsed> decode_pose(const void* data, std::size_t s
   if (with_covariance) covariance = plane_covariance(read_doubles<36>(reader));
   if (!reader.ok()) return cut_short();
   return to_fix(header, pose, covariance);
+}
+
+std::variant<std::vector<Transform>, NotUsed> decode_transforms(const void* data, std::size_t size,
+                                                                Wire wire) {
+  RosReader reader(data, size, wire);
+  std::vector<Transform> transforms(reader.count(kTransformBytesMin));
+  for (Transform& transform : transforms) {
+    const Header header = read_header(reader);
+    transform.utime = header.utime;
+    transform.parent = header.frame;
+    transform.child = without_slash(reader.text());
+    const Pose pose = read_pose(reader);  // a transform has a pose's layout
+    const auto& [x, y, z] = pose.position;
+    const Quaternion& q = pose.orientation;
+    if (!reader.ok()) return cut_short();
+    if (!is_finite({x, y, z}) || !is_unit(q)) return NotUsed{"a transform that is none"};
+    transform.T_parent_child =
+        Eigen::Translation3d(x, y, z) * Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
+  }
+  return transforms;
+}
+
+std::variant<geometry::CameraIntrinsics, NotUsed> decode_camera_info(const void* data,
+                                                                     std::size_t size, Wire wire) {
+  RosReader reader(data, size, wire);
+  geometry::CameraIntrinsics camera;
+  read_header(reader);
+  camera.height_px = static_cast<int>(reader.number<std::uint32_t>());
+  camera.width_px = static_cast<int>(reader.number<std::uint32_t>());
+  const std::string model = reader.text();
+  std::vector<double> distortion(reader.count(sizeof(double)));
+  for (double& value : distortion) value = reader.number<double>();
+  const auto k = read_doubles<9>(reader);
+  if (!reader.ok()) return cut_short();
+  if (!(k[0] > 0.0)) return NotUsed{"a camera without calibration"};
+  if (distortion.size() > camera.kc.size() || (!model.empty() && model != "plumb_bob")) {
+    return NotUsed{"a lens of model " + model.substr(0, 40) + ", not plumb_bob"};
+  }
+  camera.fc_px = {k[0], k[4]};
+  camera.cc_px = {k[2], k[5]};
+  camera.alpha_c = k[1] / k[0];
+  std::copy(distortion.begin(), distortion.end(), camera.kc.begin());
+  return camera;
 }
 
 std::variant<Picture, NotUsed> decode_image(const void* data, std::size_t size, Wire wire) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "geometry/camera_model.hpp"
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 
@@ -78,6 +80,8 @@ enum class MessageType {
   kOdometry,
   kPose,  ///< PoseStamped and PoseWithCovarianceStamped
   kPoseWithCovariance,
+  kTransforms,
+  kCameraInfo,
   kNone,
 };
 
@@ -96,9 +100,10 @@ struct Header {
   std::string frame;
 };
 
-/// Decodes only the header, which comes first in every type. NotUsed: message too short, or an
-/// invalid time.
-std::variant<Header, NotUsed> decode_header(const void* data, std::size_t size, Wire wire);
+/// Decodes only the header, which comes first in every type (in transforms: that of the first).
+/// NotUsed: message too short, or an invalid time.
+std::variant<Header, NotUsed> decode_header(const void* data, std::size_t size, Wire wire,
+                                            MessageType type = MessageType::kNone);
 
 /// Decodes sensor_msgs/LaserScan. +inf becomes 0, no return; -inf (too near) and NaN become NaN,
 /// not measured (REP 117).
@@ -117,12 +122,27 @@ std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size
 struct Odometry {
   pose::Odometry velocity;  ///< from its twist
   pose::PoseFix place;      ///< from its pose
+  std::string base_frame;   ///< whose velocity and pose these are
 };
 std::variant<Odometry, NotUsed> decode_odometry(const void* data, std::size_t size, Wire wire);
 
 /// Decodes geometry_msgs/PoseStamped or PoseWithCovarianceStamped.
 std::variant<pose::PoseFix, NotUsed> decode_pose(const void* data, std::size_t size, Wire wire,
                                                  bool with_covariance);
+
+/// The pose of a frame in another, of tf2_msgs/TFMessage; names are without a leading slash.
+struct Transform {
+  std::int64_t utime = 0;
+  std::string parent, child;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+};
+std::variant<std::vector<Transform>, NotUsed> decode_transforms(const void* data, std::size_t size,
+                                                                Wire wire);
+
+/// Decodes sensor_msgs/CameraInfo. NotUsed for a camera without calibration, and for a lens that is
+/// not plumb_bob.
+std::variant<geometry::CameraIntrinsics, NotUsed> decode_camera_info(const void* data,
+                                                                     std::size_t size, Wire wire);
 
 /// Content of sensor_msgs/Image or CompressedImage; `data` points into the message.
 struct Picture {

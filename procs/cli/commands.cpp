@@ -132,6 +132,7 @@ void declare(CLI::App& command, ImportOptions& o) {
   add_required(command, "source", o.source_paths, "BAG...|FOLDER|RAWLOG|LOG");
   add_required(command, "--out", o.out_path, "LOG");
   add_value(command, "--config", o.config_path, "FILE");
+  add_value(command, "--rig-out", o.rig_out_path, "FILE");
   add_value(command, "--topic", o.topics, "KIND=TOPIC")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -4,20 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "geometry/angles.hpp"
+#include "io/bag/bag_picture.hpp"
 #include "io/bag/bag_reader.hpp"
+#include "io/bag/bag_rig.hpp"
 #include "io/file_error.hpp"
-#include "io/recording/jpeg_file.hpp"
-#include "io/recording/picture_file.hpp"
+#include "ros/frame_tree.hpp"
 #include "ros/ros_messages.hpp"
-#include "vision/image.hpp"
 
 namespace orchard::io {
 namespace {
@@ -40,7 +38,7 @@ const std::vector<Types>& types_of(BagKind kind) {
   static const std::vector<Types> kTypes[kNumBagKinds]{
       {{T::kLaserScan}, {T::kPointCloud2}},
       {{T::kImage, T::kCompressedImage}},
-      {{T::kOdometry}},
+      {{T::kOdometry}, {T::kTransforms}},
       {{T::kNavSatFix}},
       {{T::kPose, T::kPoseWithCovariance, T::kOdometry}},
       {{T::kImu}},
@@ -54,10 +52,11 @@ struct FoundTopic {
   std::string type;
   bool is_known_wire = true;
   std::int64_t num_messages = 0;
+  bool has_motion = true;  ///< of transforms: whether one of them moves
 };
 
 bool is_of(const FoundTopic& topic, const Types& types) {
-  return topic.is_known_wire &&
+  return topic.is_known_wire && topic.has_motion &&
          std::find(types.begin(), types.end(), ros::message_type(topic.type)) != types.end();
 }
 
@@ -105,67 +104,6 @@ std::string only_topic(const std::string& kind_name, BagKind kind,
   return "";
 }
 
-constexpr std::uint32_t kMaxPixels_px = 16384;  // per side
-
-/// Pixel layout of an encoding and the OpenCV conversion to BGR; -1: none needed.
-struct Pixels {
-  int type;
-  int conversion;
-};
-
-/// Encodings by sensor_msgs/image_encodings. OpenCV names a Bayer pattern by its second row, ROS by
-/// its first.
-const std::map<std::string, Pixels>& encodings() {
-  static const std::map<std::string, Pixels> kEncodings{
-      {"bgr8", {CV_8UC3, -1}},
-      {"8UC3", {CV_8UC3, -1}},
-      {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
-      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
-      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
-      {"mono8", {CV_8UC1, -1}},
-      {"8UC1", {CV_8UC1, -1}},
-      {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-      {"uyvy", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
-      {"yuyv", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
-      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
-      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
-      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
-      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}}};
-  return kEncodings;
-}
-
-vision::Image image_of(const cv::Mat& pixels, std::int64_t utime) {
-  vision::Image image;
-  image.utime = utime;
-  image.width_px = pixels.cols;
-  image.height_px = pixels.rows;
-  image.encoding = pixels.channels() == 1 ? vision::Encoding::kGray8 : vision::Encoding::kBgr8;
-  const std::size_t row_bytes = static_cast<std::size_t>(pixels.cols) * pixels.elemSize();
-  image.data.resize(row_bytes * static_cast<std::size_t>(pixels.rows));
-  for (int row = 0; row < pixels.rows; ++row) {
-    std::memcpy(image.data.data() + row_bytes * static_cast<std::size_t>(row), pixels.ptr(row),
-                row_bytes);
-  }
-  return image;
-}
-
-bool is_sane(std::uint32_t width_px, std::uint32_t height_px) {
-  return width_px > 0 && height_px > 0 && width_px <= kMaxPixels_px && height_px <= kMaxPixels_px;
-}
-
-std::variant<vision::Image, ros::NotUsed> compressed(const ros::Picture& picture) {
-  auto image = jpeg_image(picture.data, picture.num_bytes);
-  if (!image) image = png_image(picture.data, picture.num_bytes, PngColours::kAsTheyAre);
-  if (image) {
-    image->utime = picture.utime;
-    return std::move(*image);
-  }
-  return ros::NotUsed{
-      "a compressed picture that is neither a colour or grey JPEG nor PNG (format \"" +
-      picture.encoding.substr(0, 40) + "\")"};
-}
-
 constexpr std::int64_t kLongestStep_us = 1'000'000;
 
 /// Position of a message that may be used.
@@ -182,33 +120,6 @@ template <class T>
 Decoded as_sensor(std::variant<T, NotUsed> decoded) {
   if (auto* none = std::get_if<NotUsed>(&decoded)) return std::move(*none);
   return SensorMessage(std::move(std::get<T>(decoded)));
-}
-
-/// Converts an image from a bag: JPEG is kept unchanged; uncompressed colour, PNG, YUV 4:2:2 and
-/// Bayer patterns become BGR without loss, grey stays grey. seq is left 0. Returns NotUsed for
-/// another encoding, or sizes that contradict the data.
-std::variant<vision::Image, ros::NotUsed> bag_picture(const ros::Picture& picture) {
-  if (picture.width_px == 0 && picture.height_px == 0) return compressed(picture);
-  const auto found = encodings().find(picture.encoding);
-  if (found == encodings().end()) {
-    return ros::NotUsed{"encoding " + picture.encoding.substr(0, 40) + " is not supported"};
-  }
-  const auto [type, conversion] = found->second;
-  const std::uint64_t pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
-  const bool is_whole =
-      is_sane(picture.width_px, picture.height_px) &&
-      picture.row_bytes >= pixel_bytes * picture.width_px &&
-      std::uint64_t{picture.height_px - 1} * picture.row_bytes + pixel_bytes * picture.width_px <=
-          picture.num_bytes &&
-      (type != CV_8UC2 || picture.width_px % 2 == 0) &&
-      (picture.width_px >= 2 && picture.height_px >= 2);
-  if (!is_whole) return ros::NotUsed{"a picture whose size does not match its data"};
-  const cv::Mat given(static_cast<int>(picture.height_px), static_cast<int>(picture.width_px), type,
-                      const_cast<std::uint8_t*>(picture.data), picture.row_bytes);
-  if (conversion < 0) return image_of(given, picture.utime);
-  cv::Mat bgr;
-  cv::cvtColor(given, bgr, conversion);
-  return image_of(bgr, picture.utime);
 }
 
 /// Chooses the topic of each kind: the one named in `wanted` ("none": no topic), else the only
@@ -262,6 +173,7 @@ struct BagRecording::Impl {
   struct Topic {
     FoundTopic found;
     MessageType type;
+    std::string frame;  ///< of its first message
   };
 
   void index(std::size_t file);
@@ -269,7 +181,11 @@ struct BagRecording::Impl {
   std::size_t topic_number(const BagTopic& topic);
   void choose(const BagOptions& options);
   Decoded decode(const Entry& entry, const BagMessage& message);
-  Decoded decode_odometry(const BagMessage& message, ros::Wire wire);
+  void note_frames(Topic& topic, const BagMessage& message, ros::Wire wire);
+  void find_base();
+  Decoded decode_motion(const BagMessage& message, ros::Wire wire);
+  SensorMessage velocity_of(const ros::Odometry& odometry);
+  const Topic* topic_of(BagKind kind) const;
   void ignore(std::size_t topic, const std::string& why);
 
   Progress progress;
@@ -283,6 +199,10 @@ struct BagRecording::Impl {
   std::size_t position = 0;
   std::array<std::optional<std::int64_t>, kNumBagKinds> last_utime;
   std::optional<pose::PoseFix> last_place;
+  ros::FrameTree frames;
+  std::string odometry_frame;  ///< whose velocity the robot sends; empty: unknown
+  std::string moving_frame;    ///< of the robot, in /tf
+  std::optional<geometry::CameraIntrinsics> camera;
   std::map<std::string, std::int64_t> ignored;
 };
 
@@ -293,7 +213,8 @@ std::size_t BagRecording::Impl::topic_number(const BagTopic& topic) {
   });
   if (known != topics.end()) return static_cast<std::size_t>(known - topics.begin());
   topics.push_back({{topic.name, topic.type, topic.is_known_wire, 0},
-                    topic.is_known_wire ? ros::message_type(topic.type) : MessageType::kNone});
+                    topic.is_known_wire ? ros::message_type(topic.type) : MessageType::kNone,
+                    ""});
   return topics.size() - 1;
 }
 
@@ -320,12 +241,14 @@ void BagRecording::Impl::index(std::size_t file) {
     const std::size_t topic = number_of[message->topic];
     ++topics[topic].found.num_messages;
     if (topics[topic].type == MessageType::kNone || topic > kMaxTopics) continue;
-    const auto header =
-        ros::decode_header(message->data, message->size, reader.topics()[message->topic].wire);
+    const ros::Wire wire = reader.topics()[message->topic].wire;
+    const auto header = ros::decode_header(message->data, message->size, wire, topics[topic].type);
     if (const auto* none = std::get_if<NotUsed>(&header)) {
       ignore(topic, none->why);
       continue;
     }
+    if (topics[topic].frame.empty()) topics[topic].frame = std::get<ros::Header>(header).frame;
+    note_frames(topics[topic], *message, wire);
     Entry entry;
     entry.utime = std::get<ros::Header>(header).utime;
     entry.has_own_time = entry.utime != 0;
@@ -334,6 +257,46 @@ void BagRecording::Impl::index(std::size_t file) {
     entry.file = static_cast<std::uint16_t>(file);
     entry.topic = static_cast<std::uint16_t>(topic);
     entries.push_back(entry);
+  }
+}
+
+/// Keeps what transforms, cameras and odometry tell about the rig.
+void BagRecording::Impl::note_frames(Topic& topic, const BagMessage& message, ros::Wire wire) {
+  if (topic.type == MessageType::kTransforms) {
+    const auto decoded = ros::decode_transforms(message.data, message.size, wire);
+    const auto* transforms = std::get_if<std::vector<ros::Transform>>(&decoded);
+    if (transforms == nullptr) return;
+    for (const ros::Transform& transform : *transforms) frames.add(transform);
+  } else if (topic.type == MessageType::kCameraInfo && !camera) {
+    const auto decoded = ros::decode_camera_info(message.data, message.size, wire);
+    const auto* found = std::get_if<geometry::CameraIntrinsics>(&decoded);
+    if (found != nullptr) camera = *found;
+  } else if (topic.type == MessageType::kOdometry && odometry_frame.empty()) {
+    const auto decoded = ros::decode_odometry(message.data, message.size, wire);
+    const auto* odometry = std::get_if<ros::Odometry>(&decoded);
+    if (odometry != nullptr) odometry_frame = odometry->base_frame;
+  }
+}
+
+const BagRecording::Impl::Topic* BagRecording::Impl::topic_of(BagKind kind) const {
+  const std::string& name = chosen[static_cast<std::size_t>(kind)];
+  const auto found = std::find_if(topics.begin(), topics.end(),
+                                  [&](const Topic& topic) { return topic.found.name == name; });
+  return found != topics.end() ? &*found : nullptr;
+}
+
+/// Finds the frame that carries the scanners, and whether it moves in /tf.
+void BagRecording::Impl::find_base() {
+  for (const Topic& topic : topics) {
+    const bool is_scan = topic.type == MessageType::kLaserScan;
+    if (!is_scan && topic.type != MessageType::kPointCloud2) continue;
+    moving_frame = frames.root_of(topic.frame);
+    if (is_scan) break;
+  }
+  for (Topic& topic : topics) {
+    if (topic.type != MessageType::kTransforms) continue;
+    topic.found.has_motion =
+        topic.found.name != "/tf_static" && !frames.world_of(moving_frame).empty();
   }
 }
 
@@ -380,34 +343,48 @@ void BagRecording::Impl::choose(const BagOptions& options) {
   for (std::size_t i = 0; i < topics.size(); ++i) {
     const bool is_chosen =
         std::find(chosen.begin(), chosen.end(), topics[i].found.name) != chosen.end();
-    if (!is_chosen) {
+    const bool tells_of_rig =
+        topics[i].type == MessageType::kTransforms || topics[i].type == MessageType::kCameraInfo;
+    if (!is_chosen && !tells_of_rig) {
       ignored[topics[i].found.name + " (" + topics[i].found.type + ")"] +=
           topics[i].found.num_messages;
     }
   }
 }
 
-/// Returns the velocities; if the robot sends positions only, the mean over the step.
-Decoded BagRecording::Impl::decode_odometry(const BagMessage& message, ros::Wire wire) {
-  auto decoded = ros::decode_odometry(message.data, message.size, wire);
-  if (auto* none = std::get_if<NotUsed>(&decoded)) return std::move(*none);
-  auto& [velocity, place] = std::get<ros::Odometry>(decoded);
+/// The velocities; if the robot sends positions only, the mean since the position before.
+SensorMessage BagRecording::Impl::velocity_of(const ros::Odometry& odometry) {
+  pose::Odometry velocity = odometry.velocity;
+  const pose::PoseFix& place = odometry.place;
   const std::optional<pose::PoseFix> before = std::exchange(last_place, place);
-  if (velocity.speed_mps != 0.0 || velocity.yaw_rate_radps != 0.0 || !before) {
-    return SensorMessage(velocity);
-  }
+  if (velocity.speed_mps != 0.0 || velocity.yaw_rate_radps != 0.0 || !before) return velocity;
   const std::int64_t step_us = place.utime - before->utime;
   const double dx_m = place.x_m - before->x_m, dy_m = place.y_m - before->y_m;
   const double turn_rad = geometry::wrap_angle_rad(place.yaw_rad - before->yaw_rad);
   const bool has_moved = dx_m != 0.0 || dy_m != 0.0 || turn_rad != 0.0;
-  if (!has_moved || step_us <= 0 || step_us > kLongestStep_us) return SensorMessage(velocity);
+  if (!has_moved || step_us <= 0 || step_us > kLongestStep_us) return velocity;
   const double step_s = 1e-6 * static_cast<double>(step_us);
   const double heading_rad = before->yaw_rad + turn_rad / 2;
-  velocity.utime = before->utime + step_us / 2;
   velocity.speed_mps = (dx_m * std::cos(heading_rad) + dy_m * std::sin(heading_rad)) / step_s;
   velocity.yaw_rate_radps = turn_rad / step_s;
   velocity.covariance = {};  // the message's covariance is that of its twist
-  return SensorMessage(velocity);
+  return velocity;
+}
+
+/// The motion of base in /tf, from its pose in the frame of odometry.
+Decoded BagRecording::Impl::decode_motion(const BagMessage& message, ros::Wire wire) {
+  auto decoded = ros::decode_transforms(message.data, message.size, wire);
+  if (auto* none = std::get_if<NotUsed>(&decoded)) return std::move(*none);
+  for (const ros::Transform& t : std::get<std::vector<ros::Transform>>(decoded)) {
+    if (t.child != moving_frame || t.parent != frames.world_of(moving_frame)) continue;
+    ros::Odometry odometry;
+    odometry.velocity.utime = odometry.place.utime = t.utime;
+    odometry.place.x_m = t.T_parent_child.translation().x();
+    odometry.place.y_m = t.T_parent_child.translation().y();
+    odometry.place.yaw_rad = std::atan2(t.T_parent_child(1, 0), t.T_parent_child(0, 0));
+    return velocity_of(odometry);
+  }
+  return NotUsed{"transforms of other frames"};
 }
 
 Decoded BagRecording::Impl::decode(const Entry& entry, const BagMessage& message) {
@@ -441,13 +418,15 @@ Decoded BagRecording::Impl::decode(const Entry& entry, const BagMessage& message
       return as_sensor(ros::decode_pose(
           data, size, wire, topics[entry.topic].type == MessageType::kPoseWithCovariance));
     case MessageType::kOdometry: {
-      if (static_cast<BagKind>(entry.kind) == BagKind::kOdometry) {
-        return decode_odometry(message, wire);
-      }
       auto odometry = ros::decode_odometry(data, size, wire);
       if (auto* none = std::get_if<NotUsed>(&odometry)) return std::move(*none);
-      return SensorMessage(std::get<ros::Odometry>(odometry).place);
+      const auto& found = std::get<ros::Odometry>(odometry);
+      if (static_cast<BagKind>(entry.kind) == BagKind::kOdometry) return velocity_of(found);
+      return SensorMessage(found.place);
     }
+    case MessageType::kTransforms:
+      return decode_motion(message, wire);
+    case MessageType::kCameraInfo:
     case MessageType::kNone:
       break;
   }
@@ -466,6 +445,7 @@ BagRecording::BagRecording(const std::vector<std::string>& paths, const BagOptio
     impl_->readers.push_back(open_bag(paths[file], [this, file] { impl_->report(file); }));
   }
   for (std::size_t file = 0; file < paths.size(); ++file) impl_->index(file);
+  impl_->find_base();
   impl_->choose(options);
   impl_->is_indexed = true;
 }
@@ -517,6 +497,17 @@ std::vector<std::string> BagRecording::choices() const {
     }
   }
   return lines;
+}
+
+BagRig BagRecording::rig() const {
+  const auto frame_of = [this](BagKind kind) {
+    const Impl::Topic* topic = impl_->topic_of(kind);
+    return topic != nullptr ? topic->frame : std::string();
+  };
+  BagFrames frames{impl_->odometry_frame, frame_of(BagKind::kScan), frame_of(BagKind::kScanRear),
+                   frame_of(BagKind::kImage), frame_of(BagKind::kGnss)};
+  if (!impl_->frames.between(frames.base, frames.scan)) frames.base = impl_->moving_frame;
+  return bag_rig(impl_->frames, frames, impl_->camera);
 }
 
 std::map<std::string, std::int64_t> BagRecording::ignored() const { return impl_->ignored; }

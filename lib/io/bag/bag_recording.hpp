@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/bag/bag_rig.hpp"
 #include "io/recording/recording_folder.hpp"
 #include "ros/cloud_slice.hpp"
 
@@ -47,6 +48,7 @@ class BagRecording {
   std::uint64_t num_messages() const;  ///< messages that next() examines
   /// Describes the chosen topic of each kind: "scan: /front/scan (sensor_msgs/LaserScan)".
   std::vector<std::string> choices() const;
+  BagRig rig() const;  ///< what transforms and cameras tell about the chosen sensors
   std::map<std::string, std::int64_t> ignored() const;  ///< numbers by topic and reason
   std::vector<std::string> losses() const;              ///< each with the name of its file
 

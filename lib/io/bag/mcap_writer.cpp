@@ -47,6 +47,15 @@ std::string record(std::uint8_t opcode, std::string_view content) {
          std::string(content);
 }
 
+/// Quality of service of a topic whose last message a late subscriber gets (durability 1), as
+/// rosbag2 writes it since ROS 2 Foxy.
+constexpr char kKeptProfile[] =
+    "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n"
+    "  deadline: {sec: 9223372036, nsec: 854775807}\n"
+    "  lifespan: {sec: 9223372036, nsec: 854775807}\n  liveliness: 1\n"
+    "  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}\n"
+    "  avoid_ros_namespace_conventions: false\n";
+
 constexpr std::size_t kHeadBytes = 9;
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 
@@ -153,7 +162,7 @@ class McapFormat : public RecordFormat {
 
 McapWriter::McapWriter(std::ostream& out) : out_(out) {
   put(kMagic);
-  put_record(kHeader, counted("") + counted("orchard-mapper"));
+  put_record(kHeader, counted("ros2") + counted("orchard-mapper"));
 }
 
 void McapWriter::put(std::string_view bytes) {
@@ -165,25 +174,26 @@ void McapWriter::put_record(std::uint8_t opcode, std::string_view content) {
   put(record(opcode, content));
 }
 
-std::uint16_t McapWriter::add_topic(const std::string& topic, const std::string& schema_name,
-                                    const std::string& json_schema) {
+std::uint16_t McapWriter::add_topic(const std::string& topic, const std::string& type,
+                                    const std::string& definition, bool is_kept) {
   std::string records;
-  auto& schema = schema_of_[schema_name];
+  auto& schema = schema_of_[type];
   if (schema == 0) {
     schema = static_cast<std::uint16_t>(schema_of_.size());
-    records += record(kSchema, number(schema) + counted(schema_name) + counted("jsonschema") +
-                                   counted(json_schema));
+    records +=
+        record(kSchema, number(schema) + counted(type) + counted("ros2msg") + counted(definition));
   }
   num_of_topic_.push_back(0);
   const auto id = static_cast<std::uint16_t>(num_of_topic_.size());
-  records += record(kChannel, number(id) + number(schema) + counted(topic) + counted("json") +
-                                  number(std::uint32_t{0}));
+  records += record(kChannel, number(id) + number(schema) + counted(topic) + counted("cdr") +
+                                  counted(counted("offered_qos_profiles") +
+                                          counted(is_kept ? kKeptProfile : "")));
   chunk_ += records;
   topics_ += records;
   return id;
 }
 
-void McapWriter::write(std::uint16_t topic, std::int64_t utime, std::string_view json) {
+void McapWriter::write(std::uint16_t topic, std::int64_t utime, std::string_view cdr) {
   const std::uint64_t time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, utime)) * 1000;
   const bool is_first_of_chunk = chunk_indexes_.empty();
   chunk_first_ns_ = is_first_of_chunk ? time_ns : std::min(chunk_first_ns_, time_ns);
@@ -193,7 +203,7 @@ void McapWriter::write(std::uint16_t topic, std::int64_t utime, std::string_view
   chunk_indexes_[topic] += number(time_ns) + number(static_cast<std::uint64_t>(chunk_.size()));
   auto& num = num_of_topic_.at(topic - 1u);
   chunk_ += record(kMessage, number(topic) + number(static_cast<std::uint32_t>(num)) +
-                                 number(time_ns) + number(time_ns) + std::string(json));
+                                 number(time_ns) + number(time_ns) + std::string(cdr));
   ++num;
   ++num_messages_;
   if (chunk_.size() >= kChunkBytes) finish_chunk();

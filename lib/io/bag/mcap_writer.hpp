@@ -10,18 +10,19 @@
 
 namespace orchard::io {
 
-/// Writes an MCAP file (mcap.dev/spec): JSON messages in zstd-compressed chunks, each with its
-/// index, and a summary, so that a viewer can seek to any time.
+/// Writes an MCAP file (mcap.dev/spec) of profile ros2: CDR messages in zstd-compressed chunks,
+/// each with its index, and a summary, so that a viewer can seek to any time.
 class McapWriter {
  public:
   /// The stream must outlive the writer.
   explicit McapWriter(std::ostream& out);
 
-  /// Adds a topic with JSON messages of a named schema; returns its number for write().
-  std::uint16_t add_topic(const std::string& topic, const std::string& schema_name,
-                          const std::string& json_schema);
+  /// Adds a topic with messages of a type; returns its number for write(). `definition`: of the
+  /// type and those within it. `is_kept`: a late subscriber gets the last message, too.
+  std::uint16_t add_topic(const std::string& topic, const std::string& type,
+                          const std::string& definition, bool is_kept);
 
-  void write(std::uint16_t topic, std::int64_t utime, std::string_view json);
+  void write(std::uint16_t topic, std::int64_t utime, std::string_view cdr);
 
   /// Writes the last chunk and the summary; nothing may be written afterwards.
   void finish();

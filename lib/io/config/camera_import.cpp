@@ -13,6 +13,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -254,6 +255,18 @@ ImportedCamera parse_camera_matlab(std::string_view text, const std::string& nam
 
 ImportedCamera parse_camera_yaml(std::string_view text, const std::string& name) {
   return CameraYaml(text, name).read();
+}
+
+std::vector<ConfigValue> camera_values(const geometry::CameraIntrinsics& camera) {
+  const auto numbers = [](const auto& array, int num_decimals) {
+    return config_numbers({array.begin(), array.end()}, num_decimals);
+  };
+  return {{"camera.width_px", std::to_string(camera.width_px)},
+          {"camera.height_px", std::to_string(camera.height_px)},
+          {"camera.fc_px", numbers(camera.fc_px, 3)},
+          {"camera.cc_px", numbers(camera.cc_px, 3)},
+          {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
+          {"camera.kc", numbers(camera.kc, 6)}};
 }
 
 }  // namespace orchard::io

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/camera_model.hpp"
+#include "io/config/config_edit.hpp"
 
 namespace orchard::io {
 
@@ -28,5 +30,8 @@ ImportedCamera read_camera_file(const std::string& path);
 /// Parse text instead; `name` replaces the path in messages.
 ImportedCamera parse_camera_matlab(std::string_view text, const std::string& name);
 ImportedCamera parse_camera_yaml(std::string_view text, const std::string& name);
+
+/// The lens parameters as values for a rig's YAML.
+std::vector<ConfigValue> camera_values(const geometry::CameraIntrinsics& camera);
 
 }  // namespace orchard::io

@@ -12,6 +12,7 @@
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -195,10 +196,19 @@ Config edited_config(const std::string& path, const std::vector<ConfigValue>& va
   return parse_config(edit_config(text_of(path), path, values), path);
 }
 
+std::string config_numbers(const std::vector<double>& numbers, int num_decimals) {
+  std::string text = "[";
+  for (const double number : numbers) {
+    text += (text.size() > 1 ? ", " : "") + fixed_text(number, num_decimals);
+  }
+  return text + "]";
+}
+
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note) {
-  const std::string edited = edit_config(text_of(path), path, values, tag, note);
+  const std::string edited = path.empty() ? edit_config("", out_path, values, tag, note)
+                                          : edit_config(text_of(path), path, values, tag, note);
   // The file at out_path may be the only copy of another rig.
   std::error_code error;
   if (std::filesystem::is_regular_file(out_path, error)) {

@@ -14,6 +14,9 @@ struct ConfigValue {
   std::string value;  ///< as written to the file: "0.0897"
 };
 
+/// Numbers as a value: "[0.1000, 0.2000]".
+std::string config_numbers(const std::vector<double>& numbers, int num_decimals);
+
 /// Sets values in a rig's YAML and keeps everything else - comments, order, spacing; missing keys
 /// or sections are inserted. With a `note`, a comment line "# <tag>: <note>" is placed above the
 /// first value and replaces an earlier one of the same tag.
@@ -24,9 +27,9 @@ std::string edit_config(const std::string& yaml, const std::string& name,
                         const std::vector<ConfigValue>& values, const std::string& tag = {},
                         const std::string& note = {});
 
-/// Applies edit_config() to a file and writes `out_path`, which may be the same file. The previous
-/// content of `out_path` is kept as "<out_path>.bak". Throws ConfigError or FileError and then
-/// leaves every file unchanged.
+/// Applies edit_config() to a file (none: to an empty one, if `path` is empty) and writes
+/// `out_path`, which may be the same file. The previous content of `out_path` is kept as
+/// "<out_path>.bak". Throws ConfigError or FileError and then leaves every file unchanged.
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note);

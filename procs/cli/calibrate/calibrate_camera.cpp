@@ -218,23 +218,13 @@ void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camer
       target.config_path, rig.width_px, rig.height_px, what, camera.width_px, camera.height_px));
 }
 
-/// The lens parameters as values for a rig's YAML.
-std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& camera) {
-  return {{"camera.width_px", std::to_string(camera.width_px)},
-          {"camera.height_px", std::to_string(camera.height_px)},
-          {"camera.fc_px", fixed_list(camera.fc_px, 3)},
-          {"camera.cc_px", fixed_list(camera.cc_px, 3)},
-          {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
-          {"camera.kc", fixed_list(camera.kc, 6)}};
-}
-
 /// Writes the lens parameters into the rig, with a note on their source. Throws io::FileError and
 /// io::ConfigError, and then leaves every file unchanged.
 void write_rig_camera(const RigTarget& target, const geometry::CameraIntrinsics& camera,
                       const std::string& note, bool quiet) {
   if (target.out_path.empty()) return;
-  write_rig(target.config_path, target.out_path, rig_values_of(camera), "orchard calibrate camera",
-            note, quiet);
+  write_rig(target.config_path, target.out_path, io::camera_values(camera),
+            "orchard calibrate camera", note, quiet);
   if (!quiet && !target.config_path.empty()) {
     std::printf(
         "delta_m and phi_rad depend on the intrinsics: run `orchard calibrate laser-camera` "
@@ -249,7 +239,7 @@ std::string pm(double value, double sd, int digits) {
 }
 
 void print_camera(const geometry::CameraIntrinsics& camera) {
-  for (const io::ConfigValue& value : rig_values_of(camera)) {
+  for (const io::ConfigValue& value : io::camera_values(camera)) {
     std::printf("  %s: %s\n", value.key.c_str(), value.value.c_str());
   }
 }

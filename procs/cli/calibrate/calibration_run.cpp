@@ -198,11 +198,7 @@ void write_rig(const std::string& config_path, const std::string& out_path,
   std::string line = note;  // file names may contain line breaks; a comment is one line
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  if (config_path.empty()) {
-    io::write_file_atomically(out, io::edit_config("", out, values, command, line));
-  } else {
-    io::edit_config_file(config_path, out, values, command, line);
-  }
+  io::edit_config_file(config_path, out, values, command, line);
   if (!quiet) std::printf("written to %s%s\n", out.c_str(), more.c_str());
 }
 

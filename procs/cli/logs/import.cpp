@@ -26,11 +26,13 @@
 #include "io/bag/bag_reader.hpp"
 #include "io/bag/bag_recording.hpp"
 #include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/recording/rawlog.hpp"
 #include "io/recording/recording_folder.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -152,6 +154,31 @@ std::string objection_to(const bus::Message& message) {
   return std::string(bus::to_string(rejection->reason)) + " (" + rejection->detail + ")";
 }
 
+/// Where sensors sit is no message but belongs to the rig: prints it, and writes it if wanted.
+void tell_rig(const io::BagRig& rig, const ImportOptions& options) {
+  const std::string& out = options.rig_out_path;
+  if (!rig.values.empty()) {
+    std::printf(out.empty() ? "for the rig (written by --rig-out FILE):\n" : "rig:\n");
+  }
+  for (const io::ConfigValue& value : rig.values) {
+    std::printf("  %s: %s\n", value.key.c_str(), value.value.c_str());
+  }
+  for (const std::string& note : rig.notes) std::printf("  %s\n", note.c_str());
+  if (out.empty()) return;
+  make_parent_folder(out);
+  io::edit_config_file(options.config_path, out, rig.values, "orchard import",
+                       "of the recording; widths, noise and what is not here are defaults");
+  std::printf("written to %s\n", out.c_str());
+}
+
+io::BagRig rig_of(const io::SensorMount& mount) {
+  constexpr int kDecimals = 6;
+  return {{{"laser.mount_x_m", fixed_text(mount.x_m, kDecimals)},
+           {"laser.mount_y_m", fixed_text(mount.y_m, kDecimals)},
+           {"laser.mount_yaw_rad", fixed_text(mount.yaw_rad, kDecimals)}},
+          {}};
+}
+
 /// Converts the bags of one drive to an LCM log; returns the exit code. Throws io::FileError.
 int import_bags(const ImportOptions& options) {
   io::BagOptions bag_options;
@@ -191,15 +218,8 @@ int import_bags(const ImportOptions& options) {
     throw io::FileError(options.source_paths.front() +
                         ": no message in it can be used; the reasons are listed above");
   }
+  tell_rig(recording.rig(), options);
   return bus::kExitOk;
-}
-
-/// The laser's extrinsics are not a message but belong to the rig's configuration: print them.
-void print_mount(const io::SensorMount& mount) {
-  std::printf(
-      "put the pose of the laser into the rig's YAML: laser: {mount_x_m: %g, mount_y_m: %g, "
-      "mount_yaw_rad: %g}\n",
-      mount.x_m, mount.y_m, mount.yaw_rad);
 }
 
 /// True if a file begins like those of lcm-logger.
@@ -269,7 +289,7 @@ int run_import(const ImportOptions& options) {
     };
     InterruptibleWork work("importing messages");
     print_imported(options.out_path, write_imported(next, 0, options.out_path, work));
-    print_mount(recording.laser().mount);
+    tell_rig(rig_of(recording.laser().mount), options);
     return bus::kExitOk;
   }
   if (is_lcm_log(source_path)) return import_bot_core(source_path, options);
@@ -282,7 +302,7 @@ int run_import(const ImportOptions& options) {
                                          return as_message(*next++);
                                        },
                                        rawlog.messages.size(), options.out_path, work));
-  if (rawlog.laser_mount) print_mount(*rawlog.laser_mount);
+  tell_rig(rawlog.laser_mount ? rig_of(*rawlog.laser_mount) : io::BagRig(), options);
   print_ignored(rawlog.ignored);
   return bus::kExitOk;
 }

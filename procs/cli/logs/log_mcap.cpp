@@ -12,17 +12,18 @@
 #include "cli/interruptible_work.hpp"
 #include "cli/paths.hpp"
 #include "io/atomic_file.hpp"
-#include "io/bag/foxglove_json.hpp"
 #include "io/bag/mcap_writer.hpp"
+#include "io/bag/ros2_messages.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_series.hpp"
 #include "io/map/stored_map.hpp"
 #include "log_player/replay_rig.hpp"
+#include "ros/cdr_message.hpp"
 
 namespace orchard::cli {
 namespace {
 
-/// Writes messages to topics with the viewer's schemas.
+/// Writes a log's messages, and the finished map at its start, as messages of ROS 2.
 class Show {
  public:
   Show(std::ostream& out, const io::Config& rig, std::optional<io::StoredMap> map)
@@ -39,68 +40,45 @@ class Show {
  private:
   /// Writes static transforms and the finished map at the start.
   void begin(std::int64_t utime) {
-    write("/tf_static", "foxglove.FrameTransforms", utime,
-          io::foxglove_mounts(utime, rig_.laser, rig_.camera));
+    write(
+        io::ros2_mounts(utime, rig_.laser, rig_.laser_rear, rig_.camera, rig_.pose.gnss.antenna_m),
+        true);
     if (rig_.camera.enabled) {
-      write("/camera/calibration", "foxglove.CameraCalibration", utime,
-            io::foxglove_calibration(utime, rig_.camera.intrinsics));
+      write(io::ros2_camera_info(utime, rig_.camera.intrinsics), true);
     }
     if (!map_) return;
-    write("/map", "foxglove.SceneUpdate", utime, io::foxglove_scene(utime, map_->landmarks, {}));
+    write(io::ros2_map(utime, map_->landmarks, {}), true);
     for (const auto& path : map_->trajectories) {
-      write("/map/path", "foxglove.SceneUpdate", utime, io::foxglove_path(utime, path));
-      for (const pose::PoseEstimate& pose : path) show_pose(pose);
+      write(io::ros2_path(utime, path), true);
+      for (const pose::PoseEstimate& pose : path) write(io::ros2_message(pose));
     }
   }
 
-  void show_pose(const pose::PoseEstimate& pose) {
-    write("/tf", "foxglove.FrameTransforms", pose.utime, io::foxglove_transform(pose));
-    write("/pose", "foxglove.PoseInFrame", pose.utime, io::foxglove_json(pose));
-  }
-
-  void show(const laser::Scan& scan) {
-    write("/scan", "foxglove.LaserScan", scan.utime, io::foxglove_json(scan, "laser"));
-  }
-  void show(const laser::RearScan&) {}  // its frame is not published here
-  void show(const vision::Image& image) {
-    const bool is_jpeg = image.encoding == vision::Encoding::kJpeg;
-    write(is_jpeg ? "/camera" : "/camera/raw",
-          is_jpeg ? "foxglove.CompressedImage" : "foxglove.RawImage", image.utime,
-          io::foxglove_json(image));
-  }
-  void show(const pose::Odometry& odometry) {
-    write("/odometry", "orchard.Odometry", odometry.utime, io::foxglove_json(odometry));
-  }
-  void show(const pose::Imu& imu) {
-    write("/imu", "orchard.Imu", imu.utime, io::foxglove_json(imu));
-  }
-  void show(const pose::Gnss& gnss) {
-    write("/gnss", "foxglove.LocationFix", gnss.utime, io::foxglove_json(gnss));
-  }
-  void show(const pose::PoseFix& fix) {
-    write("/pose_fix", "foxglove.PoseInFrame", fix.utime, io::foxglove_json(fix));
-  }
-  // The trajectory of the finished map replaces the recorded poses.
+  // The finished map's trajectory replaces the recorded poses, its landmarks the recorded tiles.
   void show(const pose::PoseEstimate& pose) {
-    if (!map_ || map_->trajectories.empty()) show_pose(pose);
+    if (!map_ || map_->trajectories.empty()) write(io::ros2_message(pose));
   }
   void show(const mapping::MapTile& tile) {
-    if (map_) return;
-    write("/map", "foxglove.SceneUpdate", tile.utime,
-          io::foxglove_scene(tile.utime, tile.landmarks, tile.removed_ids));
+    if (!map_) write(io::ros2_map(tile.utime, tile.landmarks, tile.removed_ids));
   }
-  void show(const detection::Detections& detections) {
-    write("/detections", "foxglove.SceneUpdate", detections.utime, io::foxglove_scene(detections));
-  }
+  void show(const laser::Scan& m) { write(io::ros2_message(m)); }
+  void show(const laser::RearScan& m) { write(io::ros2_message(m)); }
+  void show(const vision::Image& m) { write(io::ros2_message(m)); }
+  void show(const pose::Odometry& m) { write(io::ros2_message(m)); }
+  void show(const pose::Imu& m) { write(io::ros2_message(m)); }
+  void show(const pose::Gnss& m) { write(io::ros2_message(m)); }
+  void show(const pose::PoseFix& m) { write(io::ros2_message(m)); }
+  void show(const detection::Detections& m) { write(io::ros2_message(m)); }
   template <class Message>
   void show(const Message&) {}  // nothing to show
 
-  void write(const char* topic, const char* schema_name, std::int64_t utime,
-             const std::string& json) {
-    const auto known = topics_.find(topic);
-    if (known != topics_.end()) return writer_.write(known->second, utime, json);
-    const io::FoxgloveSchema schema = io::foxglove_schema(schema_name);
-    writer_.write(topics_[topic] = writer_.add_topic(topic, schema.name, schema.json), utime, json);
+  void write(const io::Ros2Message& message, bool is_kept = false) {
+    auto& topic = topics_[message.topic];
+    if (topic == 0) {
+      topic =
+          writer_.add_topic(message.topic, message.type, ros::definition_of(message.type), is_kept);
+    }
+    writer_.write(topic, message.utime, message.cdr);
   }
 
   io::McapWriter writer_;

@@ -27,7 +27,8 @@ struct ImportOptions {
   /// types, or one or more ROS bags (files, or folders of rosbag2).
   std::vector<std::string> source_paths;
   std::string out_path;
-  std::string config_path;          ///< rig whose drivers.bot_core tells how to read an LCM log
+  std::string config_path;   ///< rig whose drivers.bot_core tells how to read an LCM log
+  std::string rig_out_path;  ///< rig to write: --config with what the recording tells; empty: none
   std::vector<std::string> topics;  ///< KIND=TOPIC, for bags
   double slice_height_m = 0.0;      ///< for clouds, above the scanner
   double slice_thickness_m = 0.3;
@@ -69,8 +70,8 @@ struct LogMcapOptions {
   std::string out_path;
 };
 
-/// Converts a log, and its map, to MCAP for Foxglove and Lichtblick; returns the exit code. Throws
-/// io::FileError and io::ConfigError.
+/// Converts a log, and its map, to messages of ROS 2 in MCAP for Foxglove, RViz and rosbag2;
+/// returns the exit code. Throws io::FileError and io::ConfigError.
 [[gnu::weak]] int run_log_mcap(const LogMcapOptions& options);
 
 /// `orchard simulate --scene tubes|orchard|park|yard --seed N --out LOG`.

@@ -6,7 +6,11 @@ POINT = [("x", "d"), ("y", "d"), ("z", "d")]
 QUATERNION = POINT + [("w", "d")]
 POSE = [("position", POINT), ("orientation", QUATERNION)]
 TWIST = [("linear", POINT), ("angular", POINT)]
-# A letter as in struct; "s" a text; "bytes" and "floats" sequences; "N*d" an array of fixed length.
+TRANSFORM = [("header", "header"), ("child_frame_id", "s"),
+             ("transform", [("translation", POINT), ("rotation", QUATERNION)])]
+ROI = [("x_offset", "I"), ("y_offset", "I"), ("height", "I"), ("width", "I"), ("do_rectify", "B")]
+# A letter as in struct; "s" a text; "bytes", "floats", "doubles" and a tuple's type as sequences; a number
+# an array of so many doubles.
 DEFINITIONS = {
     "sensor_msgs/LaserScan": [("angle_min", "f"), ("angle_max", "f"), ("angle_increment", "f"),
                               ("time_increment", "f"), ("scan_time", "f"), ("range_min", "f"),
@@ -22,6 +26,10 @@ DEFINITIONS = {
     "sensor_msgs/NavSatFix": [("status", [("status", "b"), ("service", "H")]), ("latitude", "d"),
                               ("longitude", "d"), ("altitude", "d"), ("position_covariance", 9),
                               ("position_covariance_type", "B")],
+    "tf2_msgs/TFMessage": [("transforms", (TRANSFORM,))],
+    "sensor_msgs/CameraInfo": [("height", "I"), ("width", "I"), ("distortion_model", "s"), ("d", "doubles"),
+                               ("k", 9), ("r", 9), ("p", 12), ("binning_x", "I"), ("binning_y", "I"),
+                               ("roi", ROI)],
     "geometry_msgs/PoseWithCovarianceStamped": [("pose", [("pose", POSE), ("covariance", 36)])],
 }
 
@@ -40,11 +48,22 @@ class Writer:
         self.put("I", len(encoded))
         self.content += encoded
 
+    def header(self, utime, frame):
+        self.put("i", utime // 1_000_000)
+        self.put("I", utime % 1_000_000 * 1000)
+        self.text(frame)
+
     def fields(self, definition, values):
         for name, kind in definition:
             value = values[name]
             if isinstance(kind, list):
                 self.fields(kind, value)
+            elif isinstance(kind, tuple):
+                self.put("I", len(value))
+                for element in value:
+                    self.fields(kind[0], element)
+            elif kind == "header":
+                self.header(*value)
             elif isinstance(kind, int):
                 self.put("d", *value)
             elif kind == "s":
@@ -52,19 +71,17 @@ class Writer:
             elif kind == "bytes":
                 self.put("I", len(value))
                 self.content += value
-            elif kind == "floats":
+            elif kind in ("floats", "doubles"):
                 self.put("I", len(value))
                 if value:
-                    self.put("f", *value)
+                    self.put(kind[0], *value)
             else:
                 self.put(kind, value)
 
 
 def cdr(ros_type, fields):
-    utime, frame = fields["header"]
     writer = Writer()
-    writer.put("i", utime // 1_000_000)
-    writer.put("I", utime % 1_000_000 * 1000)
-    writer.text(frame)
+    if "header" in fields:
+        writer.header(*fields["header"])
     writer.fields(DEFINITIONS[ros_type], fields)
     return b"\0\1\0\0" + bytes(writer.content)

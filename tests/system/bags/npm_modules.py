@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 PACKAGES = ["@mcap/core@2", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3",
-            "@foxglove/schemas@2", "ajv@8"]
+            "@foxglove/rosmsg-msgs-common@3"]
 
 
 def skip(why):

@@ -10,12 +10,15 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "ros/cdr_message.hpp"
 #include "ros/cloud_slice.hpp"
+#include "ros/frame_tree.hpp"
 #include "ros/ros_messages.hpp"
 
 namespace orchard::ros {
@@ -76,6 +79,82 @@ Bytes scan_bytes(Kind kind) {
   bytes.put(std::uint32_t{5}).put(1.0f).put(kInf).put(-kInf).put(2.5f).put(std::nanf(""));
   bytes.put(std::uint32_t{0});
   return bytes;
+}
+
+/// A message with one transform, turned by a quarter about z.
+Bytes transform_bytes(Kind kind, const std::string& parent, const std::string& child, double x_m) {
+  Bytes bytes(kind);
+  bytes.put(std::uint32_t{1}).header(7, 500'000'000, parent).text(child);
+  const double half = std::sqrt(0.5);
+  bytes.put(x_m).put(2.0).put(3.0).put(0.0).put(0.0).put(half).put(half);
+  return bytes;
+}
+
+Transform transform_of(const std::string& parent, const std::string& child, double x_m) {
+  const Bytes bytes = transform_bytes(Kind::kCdrLittle, parent, child, x_m);
+  return std::get<std::vector<Transform>>(decode_transforms(bytes.data(), bytes.size(), Wire::kCdr))
+      .at(0);
+}
+
+TEST_P(EveryWire, TransformsHaveTheirFramesWithoutASlash) {
+  const Bytes bytes = transform_bytes(GetParam(), "/base_link", "/mast", 1.5);
+  const auto decoded = decode_transforms(bytes.data(), bytes.size(), wire_of(GetParam()));
+  const auto& transform = std::get<std::vector<Transform>>(decoded).at(0);
+  EXPECT_EQ(transform.utime, 7'500'000);
+  EXPECT_EQ(transform.parent, "base_link");
+  EXPECT_EQ(transform.child, "mast");
+  // x of the child points along y of the parent.
+  EXPECT_TRUE(
+      (transform.T_parent_child * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(1.5, 3, 3)));
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto cut = decode_transforms(bytes.data(), size, wire_of(GetParam()));
+    EXPECT_FALSE(std::holds_alternative<std::vector<Transform>>(cut) &&
+                 !std::get<std::vector<Transform>>(cut).empty())
+        << size;
+  }
+}
+
+TEST(FrameTree, WhatMovesIsNotFixed) {
+  FrameTree tree;
+  tree.add(transform_of("odom", "base", 0.0));
+  tree.add(transform_of("base", "mast", 1.0));
+  tree.add(transform_of("mast", "laser", 1.0));
+  tree.add(transform_of("base", "arm", 1.0));
+  EXPECT_EQ(tree.root_of("laser"), "base");  // though it has not moved in odom yet
+  EXPECT_EQ(tree.world_of("base"), "odom");
+  // Two quarter turns: half a turn; the second step goes along the turned axes.
+  ASSERT_TRUE(tree.between("base", "laser"));
+  EXPECT_TRUE((*tree.between("base", "laser") * Eigen::Vector3d(1, 0, 0))
+                  .isApprox(Eigen::Vector3d(-2, 3, 6)));
+  EXPECT_TRUE(tree.between("arm", "laser"));
+  tree.add(transform_of("base", "arm", 1.1));
+  EXPECT_FALSE(tree.between("arm", "laser"));
+  EXPECT_FALSE(tree.between("base", "camera"));
+}
+
+TEST(FrameTree, TransformsInACircleEnd) {
+  FrameTree tree;
+  tree.add(transform_of("a", "b", 0.0));
+  tree.add(transform_of("b", "a", 0.0));
+  tree.root_of("a");
+}
+
+TEST(CdrMessage, IsReadBackFieldByField) {
+  const std::string bytes = cdr_message(
+      "sensor_msgs/msg/LaserScan",
+      {{"header", {{"stamp", {{"sec", 3}, {"nanosec", 250'000'000}}}, {"frame_id", "odd"}}},
+       {"angle_min", -0.5},
+       {"angle_increment", 0.25},
+       {"range_max", 30.0},
+       {"ranges", {1.5, kInf, 2.5}}});
+  const auto decoded = decode_laser_scan(bytes.data(), bytes.size(), Wire::kCdr);
+  const auto& scan = std::get<laser::Scan>(decoded);
+  EXPECT_EQ(scan.utime, 3'250'000);
+  EXPECT_EQ(scan.bearing_min_rad, -0.5);
+  EXPECT_EQ(scan.range_max_m, 30.0);
+  EXPECT_EQ(scan.ranges_m, (std::vector<float>{1.5f, 0.0f, 2.5f}));
+  EXPECT_THROW(cdr_message("std_msgs/msg/Header", {{"frame", "odd"}}), std::invalid_argument);
+  EXPECT_THROW(cdr_message("sensor_msgs/msg/Sonar", {}), std::out_of_range);
 }
 
 TEST_P(EveryWire, AScanWithItsInfinities) {
@@ -187,7 +266,8 @@ TEST_P(EveryWire, AnOdometryIsAPlaceAndAVelocity) {
   for (int i = 0; i < 36; ++i) bytes.put(100.0 + i);
   const auto decoded = decode_odometry(bytes.data(), bytes.size(), wire_of(GetParam()));
   ASSERT_TRUE(std::holds_alternative<Odometry>(decoded));
-  const auto& [velocity, place] = std::get<Odometry>(decoded);
+  const auto& [velocity, place, base_frame] = std::get<Odometry>(decoded);
+  EXPECT_EQ(base_frame, "base");
   EXPECT_EQ(velocity.utime, 9'000'500);
   EXPECT_DOUBLE_EQ(velocity.speed_mps, 1.2);
   EXPECT_DOUBLE_EQ(velocity.yaw_rate_radps, -0.3);

@@ -55,8 +55,8 @@ for_tests=(
   python3 nftables libfaketime supervisor
   # farms: the engine that runs the steps, and a cluster of one node
   snakemake slurmctld slurmd slurm-client munge
-  # what reads exported maps again
-  gdal-bin
+  # what reads exported maps and rigs again
+  gdal-bin python3-numpy python3-yaml python3-jsonschema
   # pages: a browser without a window, and what drives it
   chromium chromium-driver
   # what reads a PDF's words

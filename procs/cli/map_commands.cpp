@@ -228,7 +228,8 @@ void declare(CLI::App& command, ExportOptions& o) {
   add_required(command, "map", o.map_path, "FOLDER|CSV");
   command.add_option("--format", o.format)
       ->required()
-      ->check(CLI::IsMember({"geojson", "kml", "shp", "dxf", "csv", "flatgeobuf", "gpkg"}));
+      ->check(CLI::IsMember({"geojson", "kml", "shp", "dxf", "csv", "flatgeobuf", "gpkg", "gpx",
+                             "nav2", "grid", "kitti"}));
   add_required(command, "--out", o.out_path, "FILE");
   command.add_option("--layer", o.layer)
       ->check(CLI::IsMember(
@@ -274,9 +275,7 @@ void declare(CLI::App& command, FarmStatusOptions& o) {
   command.add_flag("--json", o.json);
 }
 
-void declare(CLI::App& command, FarmOptions& o) {
-  add_required(command, "farm", o.folder, "DIR");
-}
+void declare(CLI::App& command, FarmOptions& o) { add_required(command, "farm", o.folder, "DIR"); }
 
 void declare(CLI::App& command, FarmRetryOptions& o) {
   add_required(command, "farm", o.folder, "DIR");

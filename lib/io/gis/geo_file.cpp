@@ -78,7 +78,11 @@ const std::vector<GeoFormatInfo>& geo_formats() {
        "DXF stores only positions and labels: no widths, no certainty, no coordinate system"},
       {GeoFormat::kCsv, "csv", ".csv", "CSV", true, false,
        "CSV does not store the coordinate system"},
-      {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", "FlatGeobuf", true, false, ""}};
+      {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", "FlatGeobuf", true, false, ""},
+      {GeoFormat::kGpx, "gpx", ".gpx", "GPX", true, true, ""},
+      {GeoFormat::kRouteGraph, "nav2", ".geojson", "", true, false, ""},
+      {GeoFormat::kOccupancyGrid, "grid", ".yaml", "", true, false, ""},
+      {GeoFormat::kKitti, "kitti", ".txt", "", true, false, "KITTI's form has no times"}};
   return kFormats;
 }
 
@@ -138,8 +142,9 @@ class OgrFile final : public LayerFile {
   OGRSpatialReference srs_;
   std::unique_ptr<GDALDataset> dataset_;
   OGRLayer* layer_ = nullptr;
-  GeoLayer begun_{};       ///< the current layer
-  bool is_table_ = false;  ///< coordinates are columns, no geometry is written
+  GeoLayer begun_{};         ///< the current layer
+  std::vector<int> fields_;  ///< of the layer, by the field of begun_
+  bool is_table_ = false;    ///< coordinates are columns, no geometry is written
 };
 
 OgrFile::OgrFile(const std::optional<geometry::Georeference>& georeference,
@@ -163,7 +168,9 @@ OgrFile::OgrFile(const std::optional<geometry::Georeference>& georeference,
   srs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(info.driver);
   require(driver != nullptr);
-  dataset_.reset(driver->Create(file_.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  CPLStringList options;
+  if (info.format == GeoFormat::kGpx) options.SetNameValue("GPX_USE_EXTENSIONS", "YES");
+  dataset_.reset(driver->Create(file_.path().c_str(), 0, 0, 0, GDT_Unknown, options.List()));
   require(dataset_ != nullptr);
 }
 
@@ -182,6 +189,8 @@ void OgrFile::open_layer(const GeoLayer& layer) {
     options.SetNameValue("RFC7946", "YES");
     options.SetNameValue("COORDINATE_PRECISION", "9");  // a tenth of a millimetre
     options.SetNameValue("DESCRIPTION", layer.description);
+  } else if (info_.format == GeoFormat::kGpx) {
+    options.SetNameValue("FORCE_GPX_TRACK", "YES");
   } else if (info_.driver == std::string("ESRI Shapefile")) {
     options.SetNameValue("ENCODING", "UTF-8");
   } else if (info_.format == GeoFormat::kCsv && !is_table_) {
@@ -194,16 +203,22 @@ void OgrFile::open_layer(const GeoLayer& layer) {
   layer_ = dataset_->CreateLayer(layer.name, is_drawing || is_table_ ? nullptr : &srs_,
                                  is_drawing ? wkbUnknown : type, options.List());
   require(layer_ != nullptr);
+  fields_.clear();
   if (is_drawing) return;  // its fields are fixed by the format
   for (const GeoField& field : layer.fields) {
+    // What receivers show of a waypoint is its name, a field that GPX has already.
+    const bool is_name = info_.format == GeoFormat::kGpx && field.name == std::string("label");
+    fields_.push_back(is_name ? layer_->GetLayerDefn()->GetFieldIndex("name") : -1);
+    if (is_name) continue;
     OGRFieldDefn definition(field.name, ogr_type(field.type));
     require(layer_->CreateField(&definition) == OGRERR_NONE);
+    fields_.back() = layer_->GetLayerDefn()->GetFieldCount() - 1;
   }
 }
 
 void OgrFile::set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const {
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const int field = static_cast<int>(i);
+    const int field = fields_[i];
     switch (values[i].kind) {
       case GeoValue::Kind::kNone:
         break;

@@ -20,7 +20,11 @@ enum class GeoFormat {
   kShapefileParts,  ///< one layer, as a file with others beside it
   kDxf,
   kCsv,
-  kFlatGeobuf
+  kFlatGeobuf,
+  kGpx,
+  kRouteGraph,  ///< this and the following: robot_files.hpp
+  kOccupancyGrid,
+  kKitti
 };
 
 /// Name and properties of a format.
@@ -28,7 +32,7 @@ struct GeoFormatInfo {
   GeoFormat format;
   const char* word;       ///< "geojson"
   const char* extension;  ///< ".geojson"
-  const char* driver;     ///< in GDAL
+  const char* driver;     ///< in GDAL; empty: robot_files.hpp
   bool has_one_layer;
   bool is_on_earth;  ///< stores latitude and longitude only: needs a georeference
   const char* lost;  ///< what it cannot store, as a sentence; "": nothing

@@ -12,6 +12,7 @@
 #include "io/file_error.hpp"
 #include "io/gis/geo_file.hpp"
 #include "io/gis/map_layers.hpp"
+#include "io/gis/robot_files.hpp"
 #include "io/map/corrected_map.hpp"
 
 namespace orchard::cli {
@@ -90,6 +91,43 @@ void print_json(const ExportOptions& options, const io::GeoFormatInfo& format,
   std::printf("%s\n", json.dump(2).c_str());
 }
 
+/// Writes the map for robots: one file, or a YAML with its image, or a path for each drive.
+int export_for_robots(const ExportOptions& options, const io::GeoFormatInfo& format,
+                      const io::CorrectedMapFolder& map) {
+  const std::filesystem::path out(options.out_path);
+  std::vector<std::pair<std::filesystem::path, std::string>> written;
+  if (format.format == io::GeoFormat::kRouteGraph) {
+    if (map.graph.edges.empty()) {
+      throw io::FileError(map.mapped.name + " has no graph.json beside it, or one without aisles");
+    }
+    written.emplace_back(out, io::route_graph(map.graph, map.corrected.row_names));
+  } else if (format.format == io::GeoFormat::kOccupancyGrid) {
+    const std::filesystem::path image = std::filesystem::path(out).replace_extension(".pgm");
+    auto grid = io::occupancy_grid(map.corrected.landmarks, map.graph, map.mapped.trajectories,
+                                   image.filename().string());
+    written.emplace_back(out, std::move(grid.yaml));
+    written.emplace_back(image, std::move(grid.pgm));
+  }
+  for (std::size_t i = 0;
+       format.format == io::GeoFormat::kKitti && i < map.mapped.trajectories.size(); ++i) {
+    const std::string number = i > 0 ? "_" + std::to_string(i + 1) : "";
+    written.emplace_back(out.parent_path() / (out.stem().string() + number + ".txt"),
+                         io::kitti_poses(map.mapped.trajectories[i]));
+  }
+  if (written.empty()) throw io::FileError(map.mapped.name + " has no trajectory.csv beside it");
+  make_parent_folder(options.out_path);
+  io::FileReplacement files;
+  for (const auto& [path, text] : written) {
+    require_free(options, path.string());
+    files.write(path.string(), text);
+    if (!options.json) std::printf("%s\n", path.c_str());
+  }
+  files.commit();
+  const nlohmann::ordered_json json{{"file", options.out_path}, {"format", format.word}};
+  if (options.json) std::printf("%s\n", json.dump(2).c_str());
+  return bus::kExitOk;
+}
+
 }  // namespace
 
 int run_export(const ExportOptions& options) {
@@ -98,6 +136,7 @@ int run_export(const ExportOptions& options) {
   require_other_folder(folder.empty() ? "." : folder.string(), {options.map_path});
   require_free(options, options.out_path);
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
+  if (*format.driver == '\0') return export_for_robots(options, format, map);
   io::MapLayers layers;
   layers.landmarks = &map.corrected.landmarks;
   for (const auto& trajectory : map.mapped.trajectories) layers.trajectories.push_back(&trajectory);

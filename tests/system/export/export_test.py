@@ -13,11 +13,30 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
+
+import jsonschema
+import numpy
+import yaml
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import maps  # noqa: E402
 
 ORCHARD = sys.argv[1] + "/orchard"
+# What nav2_route reads of a graph.
+NUMBER, PLACE = {"type": "integer", "minimum": 0}, {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+ROUTE_GRAPH = {"type": "array", "minItems": 3, "items": {"oneOf": [
+    {"properties": {"type": {"const": "Feature"},
+                    "properties": {"required": ["id", "frame"], "properties": {"id": NUMBER, "frame": {"const": "map"}}},
+                    "geometry": {"properties": {"type": {"const": "Point"}, "coordinates": PLACE}}},
+     "required": ["type", "properties", "geometry"]},
+    {"properties": {"type": {"const": "Feature"},
+                    "properties": {"required": ["id", "startid", "endid"],
+                                   "properties": {"id": NUMBER, "startid": NUMBER, "endid": NUMBER,
+                                                  "cost": {"type": "number"}, "metadata": {"type": "object"}}},
+                    "geometry": {"properties": {"type": {"const": "LineString"},
+                                                "coordinates": {"type": "array", "items": PLACE}}}},
+     "required": ["type", "properties", "geometry"]}]}}
 LATITUDE, LONGITUDE = -27.6, 151.9
 UTM = "EPSG:32756"
 NAMES = {"geojson": "a.geojson", "kml": "a.kml", "shp": "a.shp.zip", "dxf": "a.dxf",
@@ -164,6 +183,107 @@ class Export(unittest.TestCase):
         self.assertIn("parts.cpg exists already", self.run_export("shp", out="parts.shp").stderr)
         self.export("shp", "--layer", "rows", "--overwrite", out="parts.shp")
         self.assertEqual(len(self.read([])), 2)
+
+    def test_gpx_for_receivers(self):
+        self.export("gpx", out="a.gpx")
+        points = self.gpx("wpt")
+        self.assertEqual(len(points), len(THINGS))
+        for number, place in THINGS.items():
+            longitude, latitude = degrees(*place)
+            name = "#900" if number == 900 else f"{number // 100}/{number % 100}"
+            at = [(float(p.get("lon")), float(p.get("lat"))) for p in points if self.name_of(p) == name]
+            self.assertEqual(len(at), 1, name)
+            self.assertAlmostEqual(at[0][0], longitude, 6)
+            self.assertAlmostEqual(at[0][1], latitude, 6)
+        self.export("gpx", "--layer", "gaps", "--overwrite", out="a.gpx")
+        self.assertEqual([self.name_of(p) for p in self.gpx("wpt")], ["2/4"])
+        self.export("gpx", "--layer", "path", "--overwrite", out="a.gpx")
+        self.assertEqual(len(self.gpx("trkpt")), 20)
+        self.assertEqual(len(self.read(["tracks"])), 1)  # by GDAL
+
+    def gpx(self, tag):
+        return list(xml.etree.ElementTree.parse(self.out).iter("{http://www.topografix.com/GPX/1/1}" + tag))
+
+    def name_of(self, point):
+        return point.findtext("{http://www.topografix.com/GPX/1/1}name")
+
+    def write_graph(self):
+        """An aisle that bends by half a metre in its middle, and a headland."""
+        aisle = [[0, 7.5], [5, 7.5], [10, 8.0], [15, 7.5], [20, 7.5]]
+        edges = [{"id": 1, "kind": "aisle", "from": 1, "to": 2, "row_left": 2, "row_right": 1,
+                  "length_m": 20.1, "width_m": 3.0, "line": aisle},
+                 {"id": 2, "kind": "headland", "from": 2, "to": 3, "row": 2, "length_m": 5.0,
+                  "width_m": 2.0, "line": [[20, 7.5], [20, 12.5]]}]
+        nodes = [{"id": 1, "place": [0, 7.5]}, {"id": 2, "place": [20, 7.5]},
+                 {"id": 3, "place": [20, 12.5]}]
+        with open(self.map + "/graph.json", "w") as file:
+            json.dump({"frame": "map", "unit": "m", "nodes": nodes, "edges": edges}, file)
+        return aisle
+
+    def test_a_graph_for_nav2(self):
+        """By the rules of nav2_route's GeoJSON loader, which drives straight from node to node."""
+        self.assertIn("graph.json", self.run_export("nav2", out="a.geojson").stderr)
+        aisle = self.write_graph()
+        self.export("nav2", out="a.geojson")
+        with open(self.out) as file:
+            features = json.load(file)["features"]
+        jsonschema.validate(features, ROUTE_GRAPH)
+        ids = [f["properties"]["id"] for f in features]
+        self.assertEqual(len(ids), len(set(ids)))
+        places = {f["properties"]["id"]: f["geometry"]["coordinates"] for f in features
+                  if f["geometry"]["type"] == "Point"}
+        names = {f["properties"]["metadata"]["name"]: f["geometry"]["coordinates"] for f in features
+                 if "name" in f["properties"].get("metadata", {})}
+        self.assertEqual(names, {"R2_IN": aisle[0], "R2_OUT": aisle[-1]})
+        ways = {}
+        for feature in features:
+            if feature["geometry"]["type"] == "LineString":
+                p = feature["properties"]
+                self.assertEqual(feature["geometry"]["coordinates"], [places[p["startid"]], places[p["endid"]]])
+                ways.setdefault(p["startid"], []).append((p["endid"], p["cost"]))
+        for start, ends in ways.items():  # every way leads back
+            for end, cost in ends:
+                self.assertIn((start, cost), ways[end])
+        for bend in aisle:
+            self.assertIn(bend, places.values())
+        self.assertEqual(len(self.read(["-where", "startid IS NOT NULL"])), 2 * (len(aisle) - 1 + 1))  # by GDAL
+
+    def test_a_grid_for_map_server(self):
+        self.write_graph()
+        said = self.export("grid", out="a.yaml")
+        self.assertEqual(said.split(), [self.out, self.out.replace(".yaml", ".pgm")])
+        with open(self.out) as file:
+            grid = yaml.safe_load(file)
+        self.assertEqual((grid["image"], grid["negate"], grid["mode"]), ("a.pgm", 0, "trinary"))
+        subprocess.run(["gdal_translate", "-q", "-of", "ENVI", self.folder + "/out/" + grid["image"],
+                        self.folder + "/raw"], check=True)
+        with open(self.folder + "/raw.hdr") as header:
+            sizes = dict(line.split("=") for line in header if "=" in line)
+        image = numpy.fromfile(self.folder + "/raw", numpy.uint8).reshape(int(sizes["lines   "]), -1)
+
+        def at(x, y):  # map_server: the origin is the lower left corner, the first line the upper one
+            column = int((x - grid["origin"][0]) / grid["resolution"])
+            return image[image.shape[0] - 1 - int((y - grid["origin"][1]) / grid["resolution"]), column]
+
+        for x, y in THINGS.values():
+            self.assertEqual(at(x, y), 0)
+            self.assertEqual(at(x, y + 0.15), 205)  # the thing is 0.12 m wide
+        for x in range(1, 19):
+            self.assertEqual((at(x, 7.5), at(x, 8.8), at(x, 10.5)), (254, 254, 205), x)
+        occupied = (1 - image / 255.0) > grid["occupied_thresh"]
+        free = (1 - image / 255.0) < grid["free_thresh"]
+        self.assertTrue((occupied == (image == 0)).all() and (free == (image == 254)).all())
+
+    def test_a_path_for_kitti(self):
+        self.export("kitti", out="a.txt")
+        poses = numpy.loadtxt(self.out).reshape(-1, 3, 4)
+        with open(self.map + "/trajectory.csv") as file:
+            path = list(csv.DictReader(file))
+        self.assertEqual(len(poses), len(path))
+        for pose, row in zip(poses, path):
+            self.assertTrue(numpy.allclose(pose[:, 3], [float(row["x_m"]), float(row["y_m"]), 0]))
+            self.assertAlmostEqual(math.atan2(pose[1, 0], pose[0, 0]), float(row["yaw_rad"]), 6)
+            self.assertTrue(numpy.allclose(pose[:, :3] @ pose[:, :3].T, numpy.eye(3), atol=1e-6))
 
     def test_a_map_without_a_datum(self):
         self.write_map(georeferenced=False)

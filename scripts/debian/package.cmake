@@ -1,5 +1,5 @@
-# Two Debian packages by `cpack` in the build folder: orchard-mapper (programs, message types, pages) and
-# liborchard-dev (the library for other programs). tests/package/deb_test.sh tries them.
+# Three Debian packages by `cpack` in the build folder: orchard-mapper (programs, message types, pages),
+# liborchard-dev (the library for other programs) and python3-orchard (map folders as numpy arrays). tests/package/deb_test.sh tries them.
 set(doc ${CMAKE_INSTALL_DATADIR}/doc)
 
 # ---- documentation ----
@@ -33,7 +33,9 @@ string(REGEX REPLACE "\n([^\n])" "\n \\1" licence " ${licence}")
 configure_file(scripts/debian/copyright.in ${package_dir}/copyright @ONLY)
 set(main_package orchard-mapper)
 set(dev_package liborchard-dev)
-foreach(part main dev)
+set(python_package python3-orchard)
+install(FILES scripts/python/orchard_map.py DESTINATION lib/python3/dist-packages COMPONENT python)
+foreach(part main dev python)
   install(FILES ${package_dir}/copyright ${package_dir}/changelog.Debian.gz
           DESTINATION ${doc}/${${part}_package} COMPONENT ${part})
 endforeach()
@@ -44,7 +46,7 @@ set(CPACK_PACKAGE_CONTACT ${ORCHARD_MAINTAINER})
 set(CPACK_DEBIAN_PACKAGE_HOMEPAGE ${ORCHARD_HOMEPAGE})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL main dev)
+set(CPACK_COMPONENTS_ALL main dev python)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -57,7 +59,7 @@ set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "fonts-dejavu-core")  # what figures are written with
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2, chrony, default-jre, liblcm-java, libjchart2d-java")
 set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/scripts/debian/postinst)
-set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, qgis, supervisor, nftables, snakemake")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3-orchard, python3, qgis, supervisor, nftables, snakemake")
 set(CPACK_DEBIAN_MAIN_DESCRIPTION "maps of tree trunks from laser scans and camera images
 A robot with a 2D laser scanner and a camera drives through an orchard. Orchard
 Mapper turns what they see into a map of every tree trunk and every other
@@ -79,4 +81,13 @@ What Orchard Mapper is made of, as static libraries with headers and a CMake
 package of components: geometry, laser, vision, detection, pose, mapping and
 more. Each component needs the development packages of the libraries that it
 stands on, which CMake names.")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME ${python_package})
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3:any, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "maps of tree trunks as numpy arrays (Python 3)
+The module orchard_map reads a map folder of Orchard Mapper: landmarks, paths
+and navigation graph. It needs nothing else of Orchard Mapper.")
 include(CPack)

@@ -108,16 +108,15 @@ class CdrWriter {
   }
 
   void element(const std::string& type, const Json& value) {
-    const auto whole = [&value] { return value.is_null() ? 0 : value.get<std::int64_t>(); };
-    const auto real = [&value] { return value.is_null() ? 0.0 : value.get<double>(); };
-    if (type == "float64") return number(real());
-    if (type == "float32") return number(static_cast<float>(real()));
-    if (type == "uint32" || type == "int32") return number(static_cast<std::uint32_t>(whole()));
-    if (type == "uint16") return number(static_cast<std::uint16_t>(whole()));
-    if (type == "uint8" || type == "int8") return number(static_cast<std::uint8_t>(whole()));
-    if (type == "bool")
-      return number(static_cast<std::uint8_t>(value.is_null() ? 0 : value.get<bool>()));
-    if (type != "string") return message(type, value.is_null() ? Json::object() : value);
+    const bool is_text = type == "string", is_nested = definitions().count(type) > 0;
+    const double real = is_text || is_nested || value.is_null() ? 0.0 : value.get<double>();
+    const auto whole = static_cast<std::int64_t>(real);
+    if (type == "float64") return number(real);
+    if (type == "float32") return number(static_cast<float>(real));
+    if (type == "uint32" || type == "int32") return number(static_cast<std::uint32_t>(whole));
+    if (type == "uint16") return number(static_cast<std::uint16_t>(whole));
+    if (!is_text && !is_nested) return number(static_cast<std::uint8_t>(whole));  // bool too
+    if (is_nested) return message(type, value.is_null() ? Json::object() : value);
     const std::string text = value.is_null() ? "" : value.get<std::string>();
     number(static_cast<std::uint32_t>(text.size() + 1));
     content_.append(text.c_str(), text.size() + 1);

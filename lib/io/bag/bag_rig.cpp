@@ -59,9 +59,6 @@ class RigFinder {
   void set(const std::string& key, const std::string& value) {
     rig_.values.push_back({key, value});
   }
-  void add(const std::vector<ConfigValue>& values) {
-    rig_.values.insert(rig_.values.end(), values.begin(), values.end());
-  }
   BagRig take() { return std::move(rig_); }
 
  private:
@@ -87,7 +84,9 @@ BagRig bag_rig(const ros::FrameTree& tree, const BagFrames& frames,
   RigFinder finder(tree, frames);
   if (!frames.scan_rear.empty()) finder.set("laser_rear.enabled", "true");
   if (!frames.scan.empty() && frames.image.empty()) finder.set("camera.enabled", "false");
-  if (lens && !frames.image.empty()) finder.add(camera_values(*lens));
+  if (lens && !frames.image.empty()) {
+    for (const ConfigValue& value : camera_values(*lens)) finder.set(value.key, value.value);
+  }
   if (!tree.empty()) {
     if (!frames.scan.empty()) finder.add_scanner("laser", frames.scan);
     if (!frames.scan_rear.empty()) finder.add_scanner("laser_rear", frames.scan_rear);

@@ -69,7 +69,7 @@ Json cylinder(Json marker, double x_m, double y_m, double width_m, double height
                  {"pose", pose_json(vector(x_m, y_m, height_m / 2))},
                  {"scale", vector(shown_m, shown_m, height_m)},
                  {"color", paint},
-                 {"frame_locked", true}});
+                 {"frame_locked", 1}});
   return marker;
 }
 

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "io/figure/canvas.hpp"
+#include "io/figure/palette.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::io {
-
-inline constexpr Colour kPathColour{60, 110, 200};
 
 /// Heading above a map.
 struct MapHeading {

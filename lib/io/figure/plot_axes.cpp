@@ -206,9 +206,38 @@ bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text,
   if (!centre) return false;
   if (canvas == nullptr) return true;
   const double x = centre->x - 0.5 * width_px, y = centre->y + 0.5 * height_px;
-  canvas->rectangle({x - 1.0, y - height_px - 1.0, x + width_px + 1.0, y + 1.0}, kWhite, {});
-  canvas->text({x, y}, text, {text_px, colour});
+  canvas->text({x, y}, text, {text_px, colour, TextAnchor::kStart, false, false, kWhite});
   return true;
+}
+
+void draw_row_name(PixelPoint first, PixelPoint other, const std::string& name, Colour colour,
+                   LabelPlacement& placement, Canvas& canvas) {
+  constexpr double kOut_px = 14.0;
+  const double dx = first.x - other.x, dy = first.y - other.y;
+  const double fraction = kOut_px / std::max(1e-9, std::hypot(dx, dy));
+  draw_label({first.x + fraction * dx, first.y + fraction * dy}, 0.0, name, kAxisTextPx, colour,
+             placement, &canvas);
+}
+
+void draw_numbers(const std::vector<NumberLabel>& labels, double text_px,
+                  const LabelPlacement& placement, Canvas& canvas) {
+  constexpr std::array<std::int32_t, 12> kSteps{1,   2,   5,   10,   20,   50,
+                                                100, 200, 500, 1000, 2000, 5000};
+  constexpr double kPlacedFraction = 0.8;
+  const auto draw_every = [&](std::int32_t step, Canvas* drawn_on) {
+    LabelPlacement free = placement;
+    int num_wanted = 0, num_placed = 0;
+    for (const NumberLabel& label : labels) {
+      if (label.number % step != 0) continue;
+      ++num_wanted;
+      num_placed += draw_label(label.sign, label.radius_px, label.text, text_px, label.colour, free,
+                               drawn_on);
+    }
+    return num_placed >= kPlacedFraction * num_wanted;
+  };
+  std::size_t i = 0;
+  while (i + 1 < kSteps.size() && !draw_every(kSteps[i], nullptr)) ++i;
+  draw_every(kSteps[i], &canvas);
 }
 
 }  // namespace orchard::io

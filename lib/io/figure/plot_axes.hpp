@@ -89,9 +89,27 @@ class LabelPlacement {
   std::vector<bool> taken_;  ///< by cell, row by row
 };
 
-/// Draws a text on white beside a sign if there is space for it and returns whether there was.
-/// Without a canvas it only reserves the space.
+/// Draws a text with a white halo beside a sign if there is space for it and returns whether there
+/// was. Without a canvas it only reserves the space.
 bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
                 Colour colour, LabelPlacement& placement, Canvas* canvas);
+
+/// Draws a row's name before its first sign, away from another one of the row.
+void draw_row_name(PixelPoint first, PixelPoint other, const std::string& name, Colour colour,
+                   LabelPlacement& placement, Canvas& canvas);
+
+/// A number at a sign.
+struct NumberLabel {
+  PixelPoint sign;
+  double radius_px = 0.0;
+  std::int32_t number = 0;
+  std::string text;
+  Colour colour;
+};
+
+/// Draws the labels whose numbers are multiples of 1, 2, 5, 10 ...: the first step at which nearly
+/// all find a free place.
+void draw_numbers(const std::vector<NumberLabel>& labels, double text_px,
+                  const LabelPlacement& placement, Canvas& canvas);
 
 }  // namespace orchard::io

@@ -56,27 +56,20 @@ class RouteGraph {
   Json features_ = Json::array();
 };
 
-std::map<std::int32_t, std::string> names_of(const mapping::NavigationGraph& graph,
-                                             const mapping::RowNames& row_names) {
-  std::map<std::int32_t, std::string> names;
-  for (const mapping::NavigationEdge& edge : graph.edges) {
-    if (edge.kind != mapping::EdgeKind::kAlley) continue;
-    const std::string row = "R" + mapping::row_name(row_names, edge.row_left);
-    names[edge.from] = row + "_IN";
-    names[edge.to] = row + "_OUT";
-  }
-  return names;
-}
-
 }  // namespace
 
 std::string route_graph(const mapping::NavigationGraph& graph, const mapping::RowNames& row_names) {
   RouteGraph route;
-  const auto names = names_of(graph, row_names);
+  std::map<std::int32_t, std::string> names;
+  for (const mapping::NavigationEdge& edge : graph.edges) {
+    if (edge.kind != mapping::EdgeKind::kAlley) continue;
+    const std::string row = mapping::row_name(row_names, edge.row_left, "R");
+    names[edge.from] = row + "_IN";
+    names[edge.to] = row + "_OUT";
+  }
   std::map<std::int32_t, std::int32_t> ids;
   for (const mapping::NavigationNode& node : graph.nodes) {
-    const auto name = names.find(node.id);
-    ids[node.id] = route.add_node(node.p_map, name != names.end() ? name->second : "");
+    ids[node.id] = route.add_node(node.p_map, names[node.id]);
   }
   for (const mapping::NavigationEdge& edge : graph.edges) {
     const bool is_alley = edge.kind == mapping::EdgeKind::kAlley;

@@ -33,14 +33,12 @@ using mapping::Kind;
 using mapping::Landmark;
 using mapping::RowInventory;
 
-constexpr Colour kTree{70, 150, 80}, kTreeBorder{25, 90, 40}, kTrunk{205, 222, 190},
-    kTrunkBorder{140, 165, 120}, kGap{224, 140, 20}, kOther{150, 150, 150};
-constexpr Colour kRowText{60, 110, 70}, kBar{90, 150, 105};
-constexpr double kTreePx = 4.0, kTreeManyPx = 2.5, kGapPx = 3.5;
+constexpr Colour kBar{90, 150, 105};
+constexpr double kNumber_px = 10.0, kTreePx = 4.0, kTreeManyPx = 2.5, kGapPx = 3.5;
 constexpr std::size_t kMany = 400;
 
 void draw_gap(PixelPoint centre, double radius_px, Canvas& canvas) {
-  canvas.circle(centre, radius_px, kWhite, kGap);
+  canvas.circle(centre, radius_px, kWhite, kGapColour);
 }
 
 /// All data for the drawing, copied because it is drawn later.
@@ -57,11 +55,11 @@ struct Block {
 std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) {
   std::vector<LegendItem> items;
   items.push_back({texts.legend_tree, [](PixelPoint centre, Canvas& canvas) {
-                     canvas.circle(centre, kTreePx, kTree, kTreeBorder);
+                     canvas.circle(centre, kTreePx, kTreeColour, kTreeInk);
                    }});
   if (block.kinds.has_rows() && block.kinds.of(mapping::Kind::kTrunk) > 0) {
     items.push_back({texts.legend_other, [](PixelPoint centre, Canvas& canvas) {
-                       canvas.circle(centre, kTreePx, kTrunk, kTrunkBorder);
+                       canvas.circle(centre, kTreePx, kTrunkColour, kTrunkInk);
                      }});
   }
   if (!block.gaps.empty()) {
@@ -69,24 +67,9 @@ std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) 
                      [](PixelPoint centre, Canvas& canvas) { draw_gap(centre, kGapPx, canvas); }});
   }
   items.push_back({texts.legend_object, [](PixelPoint centre, Canvas& canvas) {
-                     canvas.circle(centre, 2.5, kOther, kOther);
+                     canvas.circle(centre, 2.5, kUnseenColour, kUnseenColour);
                    }});
   return items;
-}
-
-void draw_row_numbers(const Block& block, const MapFrame& frame, LabelPlacement& placement,
-                      Canvas& canvas) {
-  constexpr double kOut_px = 13.0, kText_px = 12.0;
-  for (const auto& [number, trees] : block.rows) {
-    const Eigen::Vector2d& first = trees.begin()->second;
-    const Eigen::Vector2d& last = trees.rbegin()->second;
-    const PixelPoint from = frame.at(first.x(), first.y()), to = frame.at(last.x(), last.y());
-    const double length_px = std::hypot(from.x - to.x, from.y - to.y);
-    const double fraction = length_px > 0.0 ? kOut_px / length_px : 0.0;
-    draw_label({from.x + fraction * (from.x - to.x), from.y + fraction * (from.y - to.y)}, 0.0,
-               mapping::row_name(block.row_names, number, block.row_short), kText_px, kRowText,
-               placement, &canvas);
-  }
 }
 
 void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
@@ -98,7 +81,7 @@ void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
   for (const Landmark& l : block.landmarks) {
     if (l.label == detection::Label::kTree) continue;
     const PixelPoint p = frame.at(l.x_m, l.y_m);
-    canvas.circle(p, 0.6 * block.tree_px, kOther, kOther);
+    canvas.circle(p, 0.6 * block.tree_px, kUnseenColour, kUnseenColour);
     take(p, block.tree_px);
   }
   for (const mapping::InventoryGap& gap : block.gaps) {
@@ -112,12 +95,25 @@ void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
       if (block.kinds.counts(mapping::kind_of(l)) != is_counted) continue;
       const PixelPoint p = frame.at(l.x_m, l.y_m);
       const double radius_px = std::max(block.tree_px, 0.5 * l.width_m * frame.px_per_m());
-      canvas.circle(p, radius_px, is_counted ? kTree : kTrunk,
-                    is_counted ? kTreeBorder : kTrunkBorder);
+      canvas.circle(p, radius_px, is_counted ? kTreeColour : kTrunkColour,
+                    is_counted ? kTreeInk : kTrunkInk);
       take(p, radius_px);
     }
   }
-  draw_row_numbers(block, frame, placement, canvas);
+  for (const auto& [number, trees] : block.rows) {
+    const Eigen::Vector2d& first = trees.begin()->second;
+    const Eigen::Vector2d& last = trees.rbegin()->second;
+    draw_row_name(frame.at(first.x(), first.y()), frame.at(last.x(), last.y()),
+                  mapping::row_name(block.row_names, number, block.row_short), kRowInk, placement,
+                  canvas);
+  }
+  std::vector<NumberLabel> numbers;
+  for (const Landmark& l : block.landmarks) {
+    if (l.label != detection::Label::kTree || l.position == 0) continue;
+    numbers.push_back(
+        {frame.at(l.x_m, l.y_m), block.tree_px, l.position, std::to_string(l.position), kTreeInk});
+  }
+  draw_numbers(numbers, kNumber_px, placement, canvas);
 }
 
 /// Draws the block for the grower: trees by trunk diameter, gaps, other objects and row numbers.
@@ -172,7 +168,7 @@ DocumentFigure diameter_figure(const mapping::DiameterHistogram& histogram,
               const PixelPoint low = axes.at(class_cm * static_cast<double>(i), 0.0);
               const PixelPoint high =
                   axes.at(class_cm * static_cast<double>(i + 1), histogram.counts[i]);
-              canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeBorder, 0.5);
+              canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeInk, 0.5);
             }
           }};
 }

@@ -61,16 +61,11 @@ class Show {
   void show(const mapping::MapTile& tile) {
     if (!map_) write(io::ros2_map(tile.utime, tile.landmarks, tile.removed_ids));
   }
-  void show(const laser::Scan& m) { write(io::ros2_message(m)); }
-  void show(const laser::RearScan& m) { write(io::ros2_message(m)); }
-  void show(const vision::Image& m) { write(io::ros2_message(m)); }
-  void show(const pose::Odometry& m) { write(io::ros2_message(m)); }
-  void show(const pose::Imu& m) { write(io::ros2_message(m)); }
-  void show(const pose::Gnss& m) { write(io::ros2_message(m)); }
-  void show(const pose::PoseFix& m) { write(io::ros2_message(m)); }
-  void show(const detection::Detections& m) { write(io::ros2_message(m)); }
   template <class Message>
-  void show(const Message&) {}  // nothing to show
+  auto show(const Message& m) -> decltype(void(io::ros2_message(m))) {
+    write(io::ros2_message(m));
+  }
+  void show(...) {}  // nothing to show
 
   void write(const io::Ros2Message& message, bool is_kept = false) {
     auto& topic = topics_[message.topic];

@@ -71,6 +71,12 @@ def page_text(path):
     return html.unescape(re.sub(r"<[^>]*>", " ", re.sub(r"(?s)<(svg|style).*?</\1>", "", page)))
 
 
+def letters_of_the_block(folder):
+    """Of the report's last drawing."""
+    page = bytes_of(os.path.join(folder, "report.html")).decode("utf-8")
+    return re.findall(r"(?s)<figure>.*?</figure>", page)[-1].count("<use")
+
+
 def check_print(page, path, truth):
     """What a browser prints, read by poppler: the counts, and each row's trees, empty places and area."""
     if not shutil.which("pdftotext") or not shutil.which("chromium"):
@@ -108,6 +114,17 @@ def main(bin_folder, rig, folder):
         assert sentence in text, (sentence, text)
     assert " roc" not in text and "probability" not in text
     check_print(os.path.join(out, "report.html"), os.path.join(folder, "printed.pdf"), truth)
+
+    # The block's picture has each tree's number: so many more letters than that of the same map without rows.
+    bare = os.path.join(folder, "bare")
+    os.makedirs(bare)
+    with open(os.path.join(bare, "map.csv"), "w", newline="") as file:
+        writer = csv.DictWriter(file, landmarks[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({**landmark, "row": "", "position": ""} for landmark in landmarks)
+    orchard(bin_folder, "report", bare)
+    numbered, plain = (letters_of_the_block(path) for path in (out, os.path.join(bare, "report")))
+    assert numbered - plain >= in_rows > 20, (numbered, plain, in_rows)
 
     # For machines: the table again.
     told = json.loads(orchard(bin_folder, "report", here, "--json").stdout)

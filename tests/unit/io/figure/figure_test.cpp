@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +15,7 @@
 #include "io/figure/canvas.hpp"
 #include "io/figure/map_figure.hpp"
 #include "io/figure/overlay_figure.hpp"
+#include "io/figure/palette.hpp"
 #include "io/figure/plot_axes.hpp"
 #include "io/figure/scan_figure.hpp"
 #include "io/file_error.hpp"
@@ -251,7 +253,8 @@ TEST(LabelPlacement, OfACrowdNoTwoOverlapAndNoneLeavesThePage) {
   EXPECT_LT(num_placed, 300) << "400 do not fit on the page";
 }
 
-constexpr Colour kTree{70, 180, 80}, kObject{225, 70, 60}, kPath{60, 110, 200}, kInk{30, 30, 30};
+constexpr Colour kTree{47, 125, 79}, kObject{180, 83, 47}, kObjectArea{230, 197, 185},
+    kPath{59, 110, 168}, kInk{30, 30, 30};
 
 /// Three trees, thick enough to be seen, and an object on the corners of 4 m by 3 m.
 std::vector<Landmark> rectangle_of_four() {
@@ -288,7 +291,7 @@ TEST(MapFigure, LandmarksStandTrueToScale) {
   const cv::Mat page = picture_of(rectangle_of_four());
   // Of the spots the legend's are the small ones.
   const auto trees = spots_of(page, kTree, 400);
-  const auto objects = spots_of(page, kObject, 400);
+  const auto objects = spots_of(page, kObjectArea, 400);
   ASSERT_EQ(trees.size(), 3u);
   ASSERT_EQ(objects.size(), 1u);
   const Spot& right = trees[2];
@@ -311,7 +314,7 @@ TEST(MapFigure, AHedgeIsALineOfItsLengthAndWidth) {
   landmarks[3].length_m = 3.0;
   const cv::Mat page = picture_of(landmarks);
   const auto trees = spots_of(page, kTree, 400);
-  const auto objects = spots_of(page, kObject, 400);
+  const auto objects = spots_of(page, kObjectArea, 400);
   ASSERT_EQ(trees.size(), 3u);
   ASSERT_EQ(objects.size(), 1u);
   const double px_per_m = (trees[2].x - std::min(trees[0].x, trees[1].x)) / 4.0;
@@ -348,10 +351,29 @@ TEST(MapFigure, TheNumberStandsBesideItsTree) {
   }
 }
 
+/// The colours are those of the page's light theme.
+TEST(MapFigure, ItsColoursAreThePages) {
+  std::ifstream file(std::string(ORCHARD_SOURCE_DIR) + "/lib/view/web/style.css");
+  const std::string css((std::istreambuf_iterator<char>(file)), {});
+  const auto of_page = [&css](const std::string& name) {
+    const std::size_t at = css.find("--" + name + ": #");
+    const int rgb = std::stoi(css.substr(at + name.size() + 5, 6), nullptr, 16);
+    return std::vector<int>{rgb >> 16, rgb >> 8 & 255, rgb & 255};
+  };
+  const auto ours = [](Colour c) { return std::vector<int>{c.r, c.g, c.b}; };
+  EXPECT_EQ(ours(kTreeColour), of_page("tree"));
+  EXPECT_EQ(ours(kTrunkColour), of_page("trunk"));
+  EXPECT_EQ(ours(kObjectColour), of_page("object"));
+  EXPECT_EQ(ours(kUnseenColour), of_page("unseen"));
+  EXPECT_EQ(ours(kPathColour), of_page("path"));
+  EXPECT_EQ(ours(kRowColour), of_page("row"));
+  EXPECT_EQ(ours(kGapColour), of_page("gap"));
+}
+
 /// Trunks in no row are paler than trees and in the legend by themselves; in a map without rows
 /// there is nothing to tell them from.
 TEST(MapFigure, TrunksInNoRowHaveAnotherShade) {
-  constexpr Colour kTrunk{200, 225, 180};
+  constexpr Colour kTrunk{159, 194, 164};
   std::vector<Landmark> landmarks = rectangle_of_four();
   EXPECT_TRUE(spots_of(picture_of(landmarks), kTrunk, 10).empty());
   for (const std::size_t i : {0, 1}) landmarks[i].row = 1, landmarks[i].position = 1;
@@ -397,7 +419,7 @@ TEST(MapFigure, ANarrowMapHasItsWholeLegendOnThePage) {
   int top = 0;
   while (top < page.rows && longest_run(ink, top).second < 150) ++top;
   const cv::Mat legend = page.rowRange(0, top);
-  for (const Colour sign : {kTree, kObject, Colour{205, 205, 205}, kPath, Colour{225, 190, 120}}) {
+  for (const Colour sign : {kTree, kObject, Colour{135, 141, 147}, kPath, Colour{205, 192, 150}}) {
     EXPECT_FALSE(spots_of(legend, sign, 10).empty()) << int{sign.r};
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/bag/bag_rig.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "io/config/camera_import.hpp"

@@ -10,7 +10,7 @@ class App {
     this.theme = new Theme(() => this.recolour());
     this.painter = new Painter(this.canvas, this.model, this.view, this.theme);
     this.details = new Details(this.model, this.theme, (i) => this.select(i, true), () => this.select(-1));
-    this.gestures = new Gestures(this.canvas, this.view, () => this.redraw(), (sx, sy) => this.click(sx, sy));
+    this.gestures = new Gestures(this.canvas, this.view, () => this.redraw(), (...all) => this.click(...all));
     this.tiles = null;
     new ResizeObserver(() => { this.painter.resize(); this.paintNow(); }).observe(this.canvas);
     this.wireButtons();
@@ -18,6 +18,12 @@ class App {
     this.setMenu(this.view.width > 640);
     if (data.tiles) this.tiles = new Tiles(this);
     this.showAll();
+    this.here = new Here(this);
+    let isPrinted = false;
+    this.painter.overlays.push((context, view, theme) => { if (isPrinted) paintScale(context, view, theme); });
+    for (const name of ["beforeprint", "afterprint"]) {
+      window.addEventListener(name, () => { isPrinted = name === "beforeprint"; this.fit(); this.paintNow(); });
+    }
     this.fit();
   }
 
@@ -29,7 +35,7 @@ class App {
     byId("theme").addEventListener("click", () => this.theme.toggle());
     byId("menu-button").addEventListener("click", () => this.setMenu(byId("menu").hidden));
     byId("search").addEventListener("submit", (event) => { event.preventDefault(); this.search(byId("query").value); });
-    document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.select(-1); });
+    document.addEventListener("keydown", (event) => { if (event.key === "Escape") { this.select(-1); this.canvas.focus(); } });
   }
 
   takeCorrections(event) {
@@ -121,6 +127,7 @@ class App {
     } else {
       this.details.hide();
     }
+    if (this.here) this.here.show();
     this.redraw();
   }
 
@@ -137,11 +144,17 @@ class App {
     this.redraw();
   }
 
-  click(sx, sy) {
-    const x = this.view.toMapX(sx), y = this.view.toMapY(sy), within_m = 16 / this.view.scale;
+  click(sx, sy, isKey = false) {
+    const x = this.view.toMapX(sx), y = this.view.toMapY(sy);
+    const within_m = (isKey ? Math.max(this.view.width, this.view.height) : 16) / this.view.scale;
+    if (this.here.takeClick(x, y)) return;
     const i = this.model.nearest(x, y, within_m);
     if (this.editor && this.editor.takeClick(x, y, i)) return;
-    if (i >= 0) { this.select(i); return; }
+    if (i >= 0) {
+      this.select(i);
+      if (isKey) byId("details").querySelector("button").focus();
+      return;
+    }
     for (const row of this.model.rows) {
       const gap = row.gaps.find((other) => Math.hypot(other[1] - x, other[2] - y) <= within_m);
       if (gap) { this.selectGap(row, gap); return; }

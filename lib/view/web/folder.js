@@ -5,6 +5,7 @@ class FolderStream {
     this.app = app;
     const source = new EventSource(`api/stream?map=${app.data.revision}`);
     source.onmessage = (message) => this.take(JSON.parse(message.data));
+    watchConnection(source);
   }
 
   take(event) {

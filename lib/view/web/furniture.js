@@ -19,6 +19,17 @@ function showScale(view) {
   document.getElementById("scale-bar").style.width = `${length_m * view.scale}px`;
 }
 
+// The scale bar as part of the map, which paper shows in another size than the screen.
+function paintScale(context, view, theme) {
+  const length_m = niceLength_m(120 / view.scale), x = view.width - 80 - length_m * view.scale, y = view.height - 24;
+  context.strokeStyle = context.fillStyle = theme.colours.text;
+  context.lineWidth = 2;
+  context.strokeRect(x, y, length_m * view.scale, 0);
+  context.font = "14px system-ui, sans-serif";
+  context.textAlign = "left";
+  context.fillText(lengthText(length_m), x, y - 10);
+}
+
 // With a georeference the arrow points north; otherwise the text says that north is unknown.
 function showNorth(georeference) {
   const box = document.getElementById("north");

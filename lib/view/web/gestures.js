@@ -3,7 +3,8 @@
 const kClickMost_px = 6;
 
 class Gestures {
-  // `changed()` is called after each movement; `clicked(sx, sy)` after a click without movement.
+  // `changed()` is called after each movement; `clicked(sx, sy, isKey)` after a click without
+  // movement, or for the middle of the view by Enter.
   constructor(canvas, view, changed, clicked) {
     this.canvas = canvas;
     this.view = view;
@@ -65,7 +66,8 @@ class Gestures {
   key(event) {
     const step = 80;
     const moves = { ArrowLeft: [step, 0], ArrowRight: [-step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
-    if (moves[event.key]) this.view.moveBy(...moves[event.key]);
+    if (event.key === "Enter") this.clicked(this.view.width / 2, this.view.height / 2, true);
+    else if (moves[event.key]) this.view.moveBy(...moves[event.key]);
     else if (event.key === "+" || event.key === "=") this.view.zoomAt(this.view.width / 2, this.view.height / 2, 1.4);
     else if (event.key === "-") this.view.zoomAt(this.view.width / 2, this.view.height / 2, 1 / 1.4);
     else return;

@@ -20,6 +20,7 @@ class Live {
     source.onmessage = (message) => this.take(JSON.parse(message.data));
     source.onerror = () => this.panels.showConnection(false);
     source.onopen = () => this.panels.showConnection(true);
+    watchConnection(source);
   }
 
   take(event) {

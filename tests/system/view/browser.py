@@ -91,6 +91,11 @@ class Browser:
         self._call("POST", path + "/clear", {})
         self._call("POST", path + "/value", {"text": text})
 
+    def press(self, key):
+        """A key, on what has the focus."""
+        self._call("POST", self.session + "/actions", {"actions": [{"type": "key", "id": "keys", "actions": [
+            {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]}]})
+
     def picture(self, path):
         with open(path, "wb") as file:
             file.write(base64.b64decode(self._call("GET", self.session + "/screenshot")))

@@ -905,8 +905,20 @@ def altered_drives(lab, seeds):
 
 # pictures of the pages
 
+def draw_page(folder, picture):
+    """A map's page in a browser, with a tree that was clicked; returns the picture."""
+    sys.path.insert(0, str(ROOT / "tests/system/view"))
+    import browser
+    browser.require_chromium()
+    with browser.Browser(1100, 700) as page:
+        page.open(f"file://{folder}/map.html")
+        page.run("orchardApp.select(orchardApp.model.at(4, 5), true); orchardApp.paintNow()")
+        page.picture(str(picture))
+    return picture
+
+
 def draw_figures(lab):
-    """{name in scripts/figures: picture}: the demo's map, Pullally's, and two maps compared."""
+    """{name in scripts/figures: picture}: the demo's map, Pullally's, two maps compared, and a map's page."""
     tubes_rig = lab.rig("tubes")
     before = lab.rig("block", {"pose.mode": "fixes", "simulation.orchard.laps": 1, "simulation.orchard.fix_rate_hz": 10,
                                "simulation.orchard.num_rows": 9, "simulation.orchard.trees_per_row": 10})
@@ -918,6 +930,7 @@ def draw_figures(lab):
     lab.orchard("compare", first, second, "--out", lab.out / "compared")
     pictures = {"demo_map.png": lab.map(lab.drive(tubes_rig, 1, "tubes"), tubes_rig, "--quiet") / "map.png",
                 "compare.png": lab.out / "compared/compare.png"}
+    pictures["map_page.png"] = draw_page(first, lab.out / "map_page.png")
     if (lab.data / "pullally_drive_1").is_dir():
         pictures["pullally_map.png"] = lab.map(lab.recording("pullally_drive_1")[0], lab.rig("pullally"), "--quiet") / "map.png"
     return pictures

@@ -82,7 +82,7 @@ struct FarmTask {
   std::vector<std::string> earlier;  ///< date, changes: the previous dates, oldest first
   std::vector<Drive> drives;         ///< drives of the task; identical ones share one result
   double max_offset_m = 0.0;         ///< date, changes: between two maps
-  std::map<std::string, std::string> edits;  ///< of dates: the manual edits that must be found
+  std::map<std::string, std::string> edits{};  ///< of dates: the manual edits that must be found
 
   /// Of a map the title of its drive, else "BLOCK/DATE", for display.
   std::string title() const {

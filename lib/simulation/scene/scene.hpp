@@ -69,7 +69,7 @@ struct Box {
   double height_m = 0.0;
   double base_m = 0.0;  ///< height at which it begins
   int target = 0;       ///< see Cylinder
-  Appearance appearance;
+  Appearance appearance{};
 };
 
 /// Crown of leaves above a trunk, a ball for the camera; lasers do not reach it.

@@ -10,9 +10,9 @@ namespace orchard::cli {
 /// A program to run.
 struct FarmCommand {
   std::vector<std::string> words;
-  std::string stdout_path, stderr_path;  ///< may be one file
-  std::string folder;                    ///< working folder; empty: the current one
-  std::function<void()> while_running;   ///< if given, called twice a second
+  std::string stdout_path, stderr_path;   ///< may be one file
+  std::string folder{};                   ///< working folder; empty: the current one
+  std::function<void()> while_running{};  ///< if given, called twice a second
 };
 
 /// Exit code and resource usage of a command.

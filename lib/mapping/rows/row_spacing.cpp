@@ -11,11 +11,19 @@
 namespace orchard::mapping {
 namespace {
 
-/// derived: spacings in an octave, four to the width of a line, which the number of spacings in a
+/// physical: below the closest planting of trees, 0.5 m of super-spindle apples.
+constexpr double kSpacingMin_m = 0.3;
+/// derived: spacings in an octave, two to the width of a line, which the number of spacings in a
 /// distance gives.
-constexpr double kPerOctave = 4.0 * tuning::kReach_spacings;
+constexpr int kPerOctave = static_cast<int>(2.0 * tuning::kReach_spacings);
+/// derived: octaves from half of kSpacingMin_m, its double line, to 15 m, the widest planting.
+constexpr double kOctaves = 6.65;
 /// derived: what is nearer than half a spacing is of one plant.
 constexpr double kNearest_spacings = 0.5;
+
+double spacing_m(Eigen::Index k) {
+  return 0.5 * kSpacingMin_m * std::exp2(static_cast<double>(k) / kPerOctave);
+}
 
 /// Sum over pairs of the cosine of their distance in spacings, weighted down to none at
 /// kReach_spacings (Bartlett's window). Places at random give 0 on average, because the pairs span
@@ -36,25 +44,25 @@ double power_at(const std::vector<double>& along_m, double spacing_m) {
 
 }  // namespace
 
-SpacingSpectrum::SpacingSpectrum(double least_m) {
-  const double octaves = std::max(0.0, std::log2(kSpacingMax_m / least_m));
-  const auto num = static_cast<Eigen::Index>(kPerOctave * octaves) + 1;
-  spacings_m_.resize(num);
-  for (Eigen::Index k = 0; k < num; ++k) {
-    spacings_m_(k) = least_m * std::exp2(static_cast<double>(k) / kPerOctave);
-  }
-  power_.setZero(num);
+SpacingSpectrum::SpacingSpectrum() {
+  power_.setZero(static_cast<Eigen::Index>(kOctaves * kPerOctave) + 1);
 }
 
 void SpacingSpectrum::add(const std::vector<double>& along_m) {
-  for (Eigen::Index k = 0; k < power_.size(); ++k) {
-    power_(k) += power_at(along_m, spacings_m_(k)) + power_at(along_m, 0.5 * spacings_m_(k));
+  double longest_m = 0.0;
+  for (std::size_t i = 1; i < along_m.size(); ++i) {
+    longest_m = std::max(longest_m, along_m[i] - along_m[i - 1]);
+  }
+  for (Eigen::Index k = 0; k < power_.size() && spacing_m(k) <= longest_m; ++k) {
+    power_(k) += power_at(along_m, spacing_m(k));
   }
 }
 
 double SpacingSpectrum::strongest_m() const {
+  const Eigen::Index num = power_.size() - kPerOctave;
   Eigen::Index strongest = 0;
-  return power_.maxCoeff(&strongest) > 0.0 ? spacings_m_(strongest) : 0.0;
+  const double most = (power_.head(num) + power_.tail(num)).maxCoeff(&strongest);
+  return most > 0.0 ? spacing_m(strongest + kPerOctave) : 0.0;
 }
 
 }  // namespace orchard::mapping

@@ -6,28 +6,25 @@
 
 namespace orchard::mapping {
 
-/// derived: plants of a row are not farther apart than this [m], the widest spacing of fruit trees.
-inline constexpr double kSpacingMax_m = 15.0;
-
-/// Power of what stands along rows at spacings from `least_m` to kSpacingMax_m, in a geometric
-/// series: at each the sum of the spectrum at a line and its double. Those of several rows add up.
+/// Spectrum of what stands along rows, at spacings from 0.3 to 15 m; those of several rows add up.
 ///
-/// The spectrum is that of the distances within a few spacings (Blackman and Tukey 1958), so that
-/// steps may differ and add up. Stems and shoots of plants blur its lines but do not move them;
-/// stakes midway between plants make the second line stronger, and no other.
+/// It is that of the distances within a few spacings (Blackman and Tukey 1958), so that steps may
+/// differ and add up. Stems and shoots of plants blur its lines but do not move them.
 class SpacingSpectrum {
  public:
-  explicit SpacingSpectrum(double least_m);
+  SpacingSpectrum();
 
-  /// Adds a row: places along it [m], ascending, from anywhere.
+  /// Adds a row: places along it [m], ascending, from anywhere. Nothing is added at spacings longer
+  /// than its longest step.
   void add(const std::vector<double>& along_m);
   void add(const SpacingSpectrum& other) { power_ += other.power_; }
 
-  /// Spacing of the largest power [m]; 0 if no two places are near each other.
+  /// Spacing at which the power of a line and its double is largest [m]; 0 if no two places are
+  /// near each other. Stakes midway between plants make the second line stronger, and no other.
   double strongest_m() const;
 
  private:
-  Eigen::VectorXd spacings_m_, power_;
+  Eigen::VectorXd power_;  ///< at spacings in a geometric series
 };
 
 }  // namespace orchard::mapping

@@ -24,8 +24,6 @@ using Eigen::Vector2d;
 /// derived: rounds of reweighting: it converges in three.
 constexpr int kFitRounds = 4;
 
-/// physical: nothing is planted closer along a row [m]; a hedge's bits are.
-constexpr double kSpacingMin_m = 0.3;
 /// derived: a step of sqrt(2) spacings is as near to one as to two, on a scale of factors.
 constexpr double kSingle = 1.4142;
 
@@ -41,7 +39,7 @@ struct Link {
 /// `reach_m`, because spacings of curved rows differ across a block.
 std::vector<double> spacings_around_m(const std::vector<Vector2d>& p_map,
                                       const std::vector<RowChain>& chains, double reach_m) {
-  std::vector<SpacingSpectrum> own(chains.size(), SpacingSpectrum(kSpacingMin_m));
+  std::vector<SpacingSpectrum> own(chains.size());
   std::vector<std::size_t> chain_of(p_map.size(), chains.size());
   for (std::size_t c = 0; c < chains.size(); ++c) {
     std::vector<double> along_m;
@@ -63,7 +61,7 @@ std::vector<double> spacings_around_m(const std::vector<Vector2d>& p_map,
       }
     }
     around.erase(chains.size());
-    SpacingSpectrum spectrum(kSpacingMin_m);
+    SpacingSpectrum spectrum;
     for (const std::size_t near : around) spectrum.add(own[near]);
     spacings_m.push_back(spectrum.strongest_m());
   }

@@ -20,7 +20,8 @@ class SpacingSpectrum {
   void add(const SpacingSpectrum& other) { power_ += other.power_; }
 
   /// Spacing at which the power of a line and its double is largest [m]; 0 if no two places are
-  /// near each other. Stakes midway between plants make the second line stronger, and no other.
+  /// near each other. Stakes midway between plants make the second line stronger, and no other:
+  /// where more than about a third of the gaps have one, half of the spacing wins.
   double strongest_m() const;
 
  private:

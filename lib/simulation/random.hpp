@@ -46,6 +46,9 @@ enum class Stream : std::uint64_t {
   kSurface,
   kLoad,
   kGnssSky,
+  kTerrain,
+  kLowBranches,
+  kImuAttitude,
 };
 
 /// Seeded random numbers, identical on every standard library.

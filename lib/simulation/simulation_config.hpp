@@ -184,12 +184,19 @@ struct ImuConfig {
   bool orientation = false;
   double orientation_sd_rad = 0.01;  ///< of each sample
   double yaw_bias_sd_rad = 0.03;     ///< of the error of north, per run
+  double attitude_drift_sd_rad = 0.0;
+  double attitude_drift_s = 30.0;  ///< time constant of that error
+  double vibration_sd_mps2 = 0.0;
 };
 
 template <class Visitor>
 void describe(Visitor& v, ImuConfig& c) {
   v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "rate of IMU; 0 = none");
   v.flag("orientation", c.orientation, "the IMU states roll, pitch, and yaw from east");
+  v.number("attitude_drift_sd_rad", c.attitude_drift_sd_rad, 0, 0.5, "rad",
+           "standard deviation of the slowly changing error of roll and pitch");
+  v.number("vibration_sd_mps2", c.vibration_sd_mps2, 0, 50, "m/s2",
+           "standard deviation of the vibration in the specific force, per axis");
 }
 
 /// The simulated scanner; the defaults are those of a Hokuyo URG-04LX-UG01. Section
@@ -321,6 +328,7 @@ struct SimulationConfig {
   ParkConfig park;
   YardConfig yard;
   ClutterConfig clutter;
+  TerrainConfig terrain;
   LightConfig light;
   CameraResponseConfig camera_response;
   MotionConfig motion;
@@ -341,6 +349,7 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("park", c.park, "scene park: scattered trees, driven through by a car");
   v.section("yard", c.yard, "scene yard: a building, a shed, hedges, scattered trees");
   v.section("clutter", c.clutter, "other fixed and moving objects of scene orchard");
+  v.section("terrain", c.terrain, "slopes, bumps, grass; all zero: level ground");
   v.section("light", c.light, "sun, sky and shadows in the pictures");
   v.section("camera_response", c.camera_response, "exposure and white balance of the camera");
   v.section("motion", c.motion, "odometry and GNSS of scene orchard");

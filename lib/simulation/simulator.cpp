@@ -13,6 +13,7 @@ namespace orchard::simulation {
 namespace {
 
 constexpr double kSweepWay_m = 5.0;  ///< above a robot's motion during a scan
+constexpr double kAboveAll_m = 1e4;  ///< no beam comes down from there
 
 enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu, kScanRear };
 
@@ -23,13 +24,22 @@ Stream stream_of(std::size_t sensor) {
   return kStreams[sensor];
 }
 
-Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
+Scene make_level_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
   if (kind == SceneKind::kTubes) return make_tube_scene(seed, rig);
   if (kind == SceneKind::kPark) return make_park_scene(seed, rig.simulation.park);
   if (kind == SceneKind::kYard) return make_yard_scene(seed, rig.simulation.yard);
   Scene scene = make_orchard_scene(seed, rig.simulation.orchard, rig.simulation.carry);
   add_clutter(seed, rig.simulation, scene);
   change_orchard(seed, rig.simulation.change, scene);
+  return scene;
+}
+
+Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig,
+                 const WheeledBody& body) {
+  Scene scene = make_level_scene(kind, seed, rig);
+  if (body.is_level()) return scene;
+  grow_low_branches(seed, rig.simulation, scene);
+  stand_on_terrain(body.terrain(), scene);
   return scene;
 }
 
@@ -61,11 +71,12 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
     : kind_(kind),
       seed_(seed),
       rig_(rig),
-      scene_(make_scene(kind, seed, rig)),
+      body_({seed, rig.simulation.terrain}, rig.simulation.terrain),
+      scene_(make_scene(kind, seed, rig, body_)),
       index_(scene_.world),
       renderer_(rig),
       receiver_(seed, rig.simulation),
-      inertial_unit_(seed, rig.simulation.imu, scene_.path.duration_s()),
+      inertial_unit_(seed, rig.simulation.imu, scene_.path.duration_s(), body_.is_level()),
       wheel_memory_(seed, rig.simulation.wheels, scene_.path.duration_s()) {
   if (rig.camera.enabled) renderer_.cast_shadows(scene_.world);
   target_errors_ = target_errors(seed, scene_, rig.simulation.scanner);
@@ -167,20 +178,24 @@ std::vector<TruthObject> Simulator::truth() const {
   return standing;
 }
 
-/// T_map_laser during a scan: one pose if the robot does not move, else one per beam.
+/// T_map_base during a scan: one pose if the robot does not move, else one per beam.
+std::vector<Pose2> Simulator::base_poses(std::int64_t utime) const {
+  const ScannerConfig& scanner = rig_.simulation.scanner;
+  if (scene_.stepped || scanner.beam_period_us <= 0.0) return {pose_at(utime)};
+  const double start_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
+  std::vector<Pose2> T_map_base;
+  for (int beam = 0; beam < scanner.num_beams; ++beam) {
+    T_map_base.push_back(scene_.path.pose_at(start_s + beam * scanner.beam_period_us * 1e-6));
+  }
+  return T_map_base;
+}
+
 std::vector<Pose2> Simulator::laser_poses(std::int64_t utime,
                                           const laser::LaserConfig& mount) const {
-  const ScannerConfig& scanner = rig_.simulation.scanner;
   const Pose2 T_base_laser{mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad};
   std::vector<Pose2> T_map_laser;
-  if (scene_.stepped || scanner.beam_period_us <= 0.0) {
-    T_map_laser.push_back(compose(pose_at(utime), T_base_laser));
-  } else {
-    const double start_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
-    for (int beam = 0; beam < scanner.num_beams; ++beam) {
-      const double time_s = start_s + beam * scanner.beam_period_us * 1e-6;
-      T_map_laser.push_back(compose(scene_.path.pose_at(time_s), T_base_laser));
-    }
+  for (const Pose2& T_map_base : base_poses(utime)) {
+    T_map_laser.push_back(compose(T_map_base, T_base_laser));
   }
   return T_map_laser;
 }
@@ -188,9 +203,28 @@ std::vector<Pose2> Simulator::laser_poses(std::int64_t utime,
 laser::Scan Simulator::take_scan(std::int64_t utime, std::int64_t index,
                                  const laser::LaserConfig& mount, Random& random) const {
   const std::vector<Pose2> T_map_laser = laser_poses(utime, mount);
-  return simulate_scan(world_in_reach(sweep_middle_s(utime), T_map_laser[T_map_laser.size() / 2]),
-                       T_map_laser, rig_.simulation.scanner, target_errors_, random,
-                       tilt_of(index));
+  const World world = world_in_reach(sweep_middle_s(utime), T_map_laser[T_map_laser.size() / 2]);
+  const ScannerConfig& scanner = rig_.simulation.scanner;
+  return body_.is_level()
+             ? simulate_scan(world, T_map_laser, scanner, target_errors_, random, tilt_of(index))
+             : simulate_scan(world, uneven_sweep(utime, mount, tilt_of(index)), scanner,
+                             target_errors_, random);
+}
+
+/// While the robot is carried there is no ground within reach.
+UnevenSweep Simulator::uneven_sweep(std::int64_t utime, const laser::LaserConfig& mount,
+                                    const Tilt& tilt) const {
+  const TerrainConfig& terrain = rig_.simulation.terrain;
+  const double carried_m = scene_.path.carried_at(sweep_middle_s(utime)) ? kAboveAll_m : 0.0;
+  const Pose3 T_base_laser{{mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad},
+                           rig_.simulation.scanner.height_m + carried_m,
+                           terrain.laser_pitch_rad + tilt.pitch_rad,
+                           terrain.laser_roll_rad + tilt.roll_rad};
+  UnevenSweep sweep{body_.terrain(), terrain.grass_height_m, {}};
+  for (const Pose2& T_map_base : base_poses(utime)) {
+    sweep.T_map_laser.push_back(body_.stand_at(T_map_base).transform() * T_base_laser.transform());
+  }
+  return sweep;
 }
 
 std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t index,
@@ -219,15 +253,15 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
       return stamped(
           simulate_odometry(scene_.path, time_s, clocks_[kOdometry].period_s,
                             wheel_memory_.errors_at(odometry_errors_, time_s, T_map_base),
-                            config.motion, config.wheels, random));
+                            config.motion, config.wheels, random, body_));
     }
     case kGnss: {
-      const auto fix = receiver_.fix(scene_.path, index, time_s);
+      const auto fix = receiver_.fix(scene_.path, index, time_s, body_);
       if (!fix) return std::nullopt;
       return stamped(*fix);
     }
     case kImu:
-      return stamped(inertial_unit_.sample(scene_.path, index, time_s));
+      return stamped(inertial_unit_.sample(scene_.path, index, time_s, body_));
     default:
       return stamped(
           kind_ == SceneKind::kTubes
@@ -268,8 +302,9 @@ std::vector<TruePose> Simulator::true_poses() const {
   std::vector<TruePose> poses;
   for (std::int64_t i = 0; i < clocks_[kScan].count; ++i) {
     const std::int64_t utime = utime_of(kScan, i);
-    const Pose2 pose = pose_at(utime);
-    poses.push_back({utime, pose.x_m, pose.y_m, pose.yaw_rad});
+    const Pose3 pose = body_.stand_at(pose_at(utime));
+    poses.push_back({utime, pose.horizontal.x_m, pose.horizontal.y_m, pose.horizontal.yaw_rad,
+                     pose.z_m, pose.roll_rad, pose.pitch_rad});
   }
   return poses;
 }

@@ -13,6 +13,7 @@
 #include "simulation/scene/moving_world.hpp"
 #include "simulation/scene/scene.hpp"
 #include "simulation/scene/scenes.hpp"
+#include "simulation/scene/wheeled_body.hpp"
 #include "simulation/sensor/camera_renderer.hpp"
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/sensor/motion_sensors.hpp"
@@ -52,13 +53,16 @@ class Simulator {
   std::vector<TruthObject> truth() const;
   const Scene& scene() const { return scene_; }
 
+  /// True if the ground is level, and truth and poses have no heights.
+  bool is_level() const { return body_.is_level(); }
+
   /// True poses of base: at every stop, or at the first beam of every sweep.
   std::vector<TruePose> true_poses() const;
 
   std::int64_t num_scans() const { return clocks_[0].count; }
   std::int64_t scan_utime(std::int64_t index) const { return utime_of(0, index); }
 
-  /// What decides of scan `index` (its seq), apart from noise.
+  /// What decides of scan `index` (its seq), apart from noise, on level ground.
   Surroundings surroundings_of_scan(std::int64_t index) const;
 
  private:
@@ -76,9 +80,12 @@ class Simulator {
   Pose2 pose_at(std::int64_t utime) const;
   std::optional<std::size_t> next_sensor() const;
   std::optional<SensorMessage> make(std::size_t sensor, std::int64_t index, std::int32_t seq) const;
+  std::vector<Pose2> base_poses(std::int64_t utime) const;
   std::vector<Pose2> laser_poses(std::int64_t utime, const laser::LaserConfig& mount) const;
   laser::Scan take_scan(std::int64_t utime, std::int64_t index, const laser::LaserConfig& mount,
                         Random& random) const;
+  UnevenSweep uneven_sweep(std::int64_t utime, const laser::LaserConfig& mount,
+                           const Tilt& tilt) const;
   double sweep_middle_s(std::int64_t utime) const;
   Tilt tilt_of(std::int64_t scan) const;
   World world_at_time(double time_s) const;
@@ -88,6 +95,7 @@ class Simulator {
   SceneKind kind_;
   std::uint64_t seed_;
   RigConfig rig_;
+  WheeledBody body_;
   Scene scene_;
   WorldIndex index_;
   CameraRenderer renderer_;

@@ -17,8 +17,11 @@ int main(int argc, char** argv) {
       {"--scene", "NAME", "scene: tubes (the paper's), orchard, park or yard [tubes]",
        &options.scene},
       {"--seed", "N", "seed of the layout and of all noise [1]", &options.seed},
-      {"--truth", "CSV", "also write the true objects: class,x_m,y_m,width_m", &options.truth_path},
-      {"--poses", "CSV", "also write the true poses of the robot: utime_us,x_m,y_m,yaw_rad",
+      {"--truth", "CSV", "also write the true objects: class,x_m,y_m,width_m, on uneven ground z_m",
+       &options.truth_path},
+      {"--poses", "CSV",
+       "also write the true poses of the robot: utime_us,x_m,y_m,yaw_rad, on uneven ground z_m, "
+       "roll_rad, pitch_rad",
        &options.poses_path},
   };
   orchard::io::RigFile rig;

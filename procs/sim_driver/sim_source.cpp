@@ -47,11 +47,13 @@ std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
                                   config.laser_rear};
   auto source = std::make_unique<SimSource>(*kind, parse_seed(options.seed), rig);
+  const io::Heights heights =
+      source->simulator().is_level() ? io::Heights::kNone : io::Heights::kWritten;
   if (!options.truth_path.empty()) {
-    io::write_truth_csv(options.truth_path, source->simulator().truth());
+    io::write_truth_csv(options.truth_path, source->simulator().truth(), heights);
   }
   if (!options.poses_path.empty()) {
-    io::write_poses_csv(options.poses_path, source->simulator().true_poses());
+    io::write_poses_csv(options.poses_path, source->simulator().true_poses(), heights);
   }
   return source;
 }

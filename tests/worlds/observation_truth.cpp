@@ -323,6 +323,10 @@ std::vector<TrueObservation> observe_truth(const World& world,
 
 std::vector<TrueObservation> true_observations(const Simulator& simulator, const RigConfig& rig,
                                                std::int64_t index) {
+  if (!simulator.is_level()) {
+    throw std::invalid_argument(
+        "true_observations: the ground is not level; give a rig without simulation.terrain");
+  }
   const Surroundings at = simulator.surroundings_of_scan(index);
   std::vector<TrueObservation> observations = observe_truth(
       at.world, at.truth, at.T_map_laser, rig.simulation.scanner, rig.camera, at.tilt);

@@ -47,7 +47,7 @@ std::vector<TrueObservation> observe_truth(const World& world,
                                            const Tilt& tilt = {});
 
 /// True observations of scan `index` (its seq) of a simulator made with this rig: all objects of
-/// the world that it could see.
+/// the world that it could see. Throws std::invalid_argument where the ground is not level.
 std::vector<TrueObservation> true_observations(const Simulator& simulator, const RigConfig& rig,
                                                std::int64_t index);
 

@@ -19,7 +19,10 @@ using detection::Label;
 using simulation::TruthObject;
 
 std::vector<TruthObject> read_truth(CsvReader csv) {
-  csv.expect_columns({"class", "x_m", "y_m", "width_m"});
+  std::vector<std::string> columns{"class", "x_m", "y_m", "width_m"};
+  const bool has_heights = csv.columns().size() > columns.size();
+  if (has_heights) columns.push_back("z_m");
+  csv.expect_columns(columns);
   std::vector<TruthObject> truth;
   int num_trees = 0;
   int num_objects = 0;
@@ -37,6 +40,7 @@ std::vector<TruthObject> read_truth(CsvReader csv) {
     object.x_m = csv.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);
     object.y_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
     object.width_m = csv.number_in(3, 0.0, kMaxWidth_m);
+    if (has_heights) object.z_m = csv.number_in(4, -kMaxCoordinate_m, kMaxCoordinate_m);
     truth.push_back(object);
   }
   return truth;
@@ -73,6 +77,17 @@ evaluation::Track read_track(CsvReader csv, const std::string& name) {
   return track;
 }
 
+void write_spatial_poses(const std::string& path, const std::vector<simulation::TruePose>& poses) {
+  std::string text = "utime_us,x_m,y_m,yaw_rad,z_m,roll_rad,pitch_rad\n";
+  for (const simulation::TruePose& pose : poses) {
+    text += std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
+            fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "," +
+            fixed_text(pose.z_m, 4) + "," + fixed_text(pose.roll_rad, 5) + "," +
+            fixed_text(pose.pitch_rad, 5) + "\n";
+  }
+  write_file_atomically(path, text);
+}
+
 }  // namespace
 
 std::vector<TruthObject> read_truth_csv(const std::string& path) {
@@ -83,19 +98,24 @@ std::vector<TruthObject> parse_truth_csv(std::string_view text, const std::strin
   return read_truth(CsvReader::from_text(text, name));
 }
 
-void write_truth_csv(const std::string& path, const std::vector<TruthObject>& truth) {
-  std::string text = "class,x_m,y_m,width_m\n";
+void write_truth_csv(const std::string& path, const std::vector<TruthObject>& truth,
+                     Heights heights) {
+  const bool with_heights = heights == Heights::kWritten;
+  std::string text = with_heights ? "class,x_m,y_m,width_m,z_m\n" : "class,x_m,y_m,width_m\n";
   for (const TruthObject& object : truth) {
     if (object.label == Label::kUnseen)
       throw FileError(path + ": an object of the truth must not be unseen");
     text += object.label == Label::kTree ? "tree," : "object,";
     text += fixed_text(object.x_m, 4) + "," + fixed_text(object.y_m, 4) + "," +
-            fixed_text(object.width_m, 4) + "\n";
+            fixed_text(object.width_m, 4);
+    text += with_heights ? "," + fixed_text(object.z_m, 4) + "\n" : "\n";
   }
   write_file_atomically(path, text);
 }
 
-void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses) {
+void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses,
+                     Heights heights) {
+  if (heights == Heights::kWritten) return write_spatial_poses(path, poses);
   std::vector<pose::PoseEstimate> trajectory(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     trajectory[i].utime = poses[i].utime;

@@ -42,7 +42,7 @@ inline Appearance draw_appearance(Random& random, Limits hue_deg, Limits saturat
   return appearance;
 }
 
-/// An upright cylinder on the ground: a tube, a trunk, a post, a twig of a bush.
+/// A cylinder on the ground, level cuts of which are circles: a tube, a trunk, a post, a twig.
 struct Cylinder {
   double x_m = 0.0;  ///< map frame
   double y_m = 0.0;
@@ -57,6 +57,7 @@ struct Cylinder {
   double leaf_depth_m = 0.0;    ///< mean penetration depth of beams; 0: solid
   double velocity_x_mps = 0.0;  ///< during a scan
   double velocity_y_mps = 0.0;
+  double taper = 0.0;  ///< decrease of its radius per metre of height; radius_m: at scan height
 };
 
 /// An upright box on the ground: a crate, a part of a wall or hedge, a fallen branch.

@@ -111,6 +111,56 @@ void describe(Visitor& v, ChangeConfig& c) {
             "seed that, with that of the scene, selects the trees");
 }
 
+/// Ground that is not level, and what only such ground makes matter. Section `simulation.terrain`.
+/// All zero: level ground, objects cut at the height of the scan plane.
+struct TerrainConfig {
+  double slope_along_percent = 0.0;
+  double slope_across_percent = 0.0;
+  double terrace_height_m = 0.0;
+  double terrace_width_m = 4.0;
+  double roughness_m3 = 0.0;
+  double grass_height_m = 0.0;
+  double trunk_taper = 0.0;
+  double low_branches_per_tree = 0.0;
+  double laser_pitch_rad = 0.0;
+  double laser_roll_rad = 0.0;
+  double wheelbase_m = 0.9;
+  double track_m = 0.8;
+
+  /// True if scans and poses are those of level ground.
+  bool is_flat() const {
+    return slope_along_percent == 0.0 && slope_across_percent == 0.0 && terrace_height_m == 0.0 &&
+           roughness_m3 == 0.0 && grass_height_m == 0.0 && trunk_taper == 0.0 &&
+           low_branches_per_tree == 0.0 && laser_pitch_rad == 0.0 && laser_roll_rad == 0.0;
+  }
+};
+
+template <class Visitor>
+void describe(Visitor& v, TerrainConfig& c) {
+  v.number("slope_along_percent", c.slope_along_percent, -60, 60, "%",
+           "slope of the ground along the rows, upwards to map +y");
+  v.number("slope_across_percent", c.slope_across_percent, -60, 60, "%",
+           "slope of the ground across the rows, upwards to map +x");
+  v.number("terrace_height_m", c.terrace_height_m, 0, 3, "m",
+           "height of the banks between terraces, which rise to map +x; 0 = no terraces");
+  v.number("terrace_width_m", c.terrace_width_m, 1, 100, "m",
+           "distance between two banks; the first is half of it beside map x = 0");
+  v.number("roughness_m3", c.roughness_m3, 0, 0.3, "m3",
+           "bumps: spectral density at 0.1 cycles/m, by ISO 8608 0.000016 (class A), four times as "
+           "much per class, 0.004 (class E) for a field");
+  v.number("grass_height_m", c.grass_height_m, 0, 2, "m", "height of the grass; 0 = no grass");
+  v.number("trunk_taper", c.trunk_taper, 0, 0.2, "m/m",
+           "decrease of the width of a trunk per metre of height");
+  v.number("low_branches_per_tree", c.low_branches_per_tree, 0, 20, "1",
+           "mean number of branches per trunk near the height of the scan");
+  v.number("laser_pitch_rad", c.laser_pitch_rad, -0.8, 0.8, "rad",
+           "pitch of the scan plane in base, positive downwards ahead");
+  v.number("laser_roll_rad", c.laser_roll_rad, -0.8, 0.8, "rad",
+           "roll of the scan plane in base, positive downwards to the right");
+  v.number("wheelbase_m", c.wheelbase_m, 0.1, 5, "m", "distance between the axles");
+  v.number("track_m", c.track_m, 0.1, 5, "m", "distance between the wheels of an axle");
+}
+
 /// A park: few trees in irregular positions, and a car that drives among them. Section
 /// `simulation.park`.
 struct ParkConfig {
@@ -278,8 +328,9 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.number("bark_value_max", c.bark_value_max, 0, 1, "1", "max value (brightness) of a trunk");
   v.flag("rough_bark", c.rough_bark,
          "bark with bands and patches of moss and grey instead of even streaks");
-  v.number("lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad",
-           "standard deviation of the lean of trunks in the pictures");
+  v.number(
+      "lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad",
+      "standard deviation of the lean of trunks, in the pictures and on ground that is not flat");
   v.number("stop_every_m", c.stop_every_m, 0, 10, "m",
            "distance between stops for each scan, picture and fix; 0 = drive without stops");
   v.number("weave_radps", c.weave_radps, 0, 2, "rad/s",

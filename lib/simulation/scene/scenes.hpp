@@ -5,6 +5,7 @@
 
 #include "simulation/scene/drive_path.hpp"
 #include "simulation/scene/scene.hpp"
+#include "simulation/scene/terrain.hpp"
 #include "simulation/simulation_config.hpp"
 
 namespace orchard::simulation {
@@ -41,6 +42,13 @@ void add_clutter(std::uint64_t seed, const SimulationConfig& config, Scene& scen
 /// Changes an orchard to a later day: trees felled, planted in empty positions, moved, grown. All
 /// other objects stay unchanged; truth and targets are renumbered.
 void change_orchard(std::uint64_t seed, const ChangeConfig& config, Scene& scene);
+
+/// Tapers the trunks of a scene and adds the branches of `config.terrain` near the height of the
+/// scan; they are not in the truth.
+void grow_low_branches(std::uint64_t seed, const SimulationConfig& config, Scene& scene);
+
+/// Gives the objects of a scene's truth the height of the ground beneath them.
+void stand_on_terrain(const Terrain& terrain, Scene& scene);
 
 /// Makes a park: trees of all widths, in groups and alone, and bushes, all clear of the path of a
 /// car that visits random waypoints, half of them again from another side.

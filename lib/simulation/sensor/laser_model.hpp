@@ -7,6 +7,7 @@
 #include "simulation/random.hpp"
 #include "simulation/scene/drive_path.hpp"
 #include "simulation/scene/scene.hpp"
+#include "simulation/sensor/ray_fan.hpp"
 #include "simulation/simulation_config.hpp"
 
 namespace orchard::simulation {
@@ -32,6 +33,12 @@ struct Tilt {
 laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_laser,
                           const ScannerConfig& scanner, const std::vector<double>& target_errors,
                           Random& random, const Tilt& tilt = {});
+
+/// The same above ground that is not level: beams in space meet leaning and tapering trunks where
+/// they pass them, the ground, and grass.
+laser::Scan simulate_scan(const World& world, const UnevenSweep& sweep,
+                          const ScannerConfig& scanner, const std::vector<double>& target_errors,
+                          Random& random);
 
 /// Simulates a sweep without errors: the distance along every beam's axis, not rounded.
 laser::Scan simulate_perfect_scan(const World& world, const Pose2& T_map_laser,

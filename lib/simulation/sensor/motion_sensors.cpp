@@ -20,8 +20,6 @@ std::int8_t quality_of(double sd_m) {
   return sd_m <= 1.5 ? 2 : 1;  // differential, single
 }
 
-constexpr double kGravity_mps2 = 9.80665;
-
 /// A value at a time, of one value per second; 0 of none.
 double interpolated(const std::vector<double>& seconds, double time_s) {
   if (seconds.empty()) return 0.0;
@@ -47,6 +45,19 @@ enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander };
 /// Draws a duration from the exponential distribution.
 double exponential(double mean, Random& random) { return -mean * std::log(1.0 - random.uniform()); }
 
+/// An Ornstein-Uhlenbeck process in its exact discrete form, a value per second.
+std::vector<double> draw_drift(Random& random, double sd, double time_s, double duration_s) {
+  std::vector<double> values;
+  const double kept = std::exp(-1.0 / time_s);
+  const double fresh_sd = sd * std::sqrt(1.0 - kept * kept);
+  double value = random.normal(0.0, sd);
+  for (double t_s = 0.0; t_s <= duration_s + 2.0; t_s += 1.0) {
+    values.push_back(value);
+    value = kept * value + random.normal(0.0, fresh_sd);
+  }
+  return values;
+}
+
 }  // namespace
 
 OdometryErrors draw_odometry_errors(const MotionConfig& config, const WheelsConfig& wheels,
@@ -60,11 +71,20 @@ OdometryErrors draw_odometry_errors(const MotionConfig& config, const WheelsConf
 
 pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double period_s,
                                  const OdometryErrors& errors, const MotionConfig& config,
-                                 const WheelsConfig& wheels, Random& random) {
+                                 const WheelsConfig& wheels, Random& random,
+                                 const WheeledBody& body) {
   const Pose2 before = path.pose_at(time_s - period_s);
   const Pose2 now = path.pose_at(time_s);
-  const double turn_rad = geometry::wrap_angle_rad(now.yaw_rad - before.yaw_rad);
-  const double chord_m = std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
+  double turn_rad = geometry::wrap_angle_rad(now.yaw_rad - before.yaw_rad);
+  double chord_m = std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
+  if (!body.is_level()) {
+    // Wheels roll on the surface, and turn the body about its own vertical.
+    const Eigen::Isometry3d motion =
+        body.stand_at(before).transform().inverse(Eigen::Isometry) * body.stand_at(now).transform();
+    const Eigen::AngleAxisd turned(motion.linear());
+    turn_rad = turned.angle() * turned.axis().z();
+    chord_m = motion.translation().norm();
+  }
   // Wheels measure the length of the arc, not of the chord.
   const double half_rad = 0.5 * turn_rad;
   const double arc_m =
@@ -89,11 +109,11 @@ pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double pe
 }
 
 pose::Gnss simulate_gnss(double x_m, double y_m, const std::array<double, 3>& datum, double sd_m,
-                         double stated_sd_m, Random& random) {
+                         double stated_sd_m, Random& random, double z_m) {
   const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
   const double east_m = x_m + random.normal(0.0, sd_m);
   const double north_m = y_m + random.normal(0.0, sd_m);
-  const double up_m = random.normal(0.0, 2.0 * sd_m);
+  const double up_m = z_m + random.normal(0.0, 2.0 * sd_m);
   pose::Gnss gnss;
   enu.Reverse(east_m, north_m, up_m, gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m);
   const double variance_m2 = stated_sd_m * stated_sd_m;
@@ -116,15 +136,8 @@ pose::PoseFix simulate_fix(const Pose2& T_map_base, double sd_m, double yaw_sd_r
 WheelErrorModel::WheelErrorModel(std::uint64_t seed, const WheelsConfig& config, double duration_s)
     : seed_(seed), config_(config) {
   if (config.bias_wander_sd_radps <= 0.0) return;
-  // An Ornstein-Uhlenbeck process in its exact discrete form.
   Random random(seed, Stream::kWheelBias);
-  const double kept = std::exp(-1.0 / config.bias_wander_s);
-  const double fresh_sd = config.bias_wander_sd_radps * std::sqrt(1.0 - kept * kept);
-  double bias_radps = random.normal(0.0, config.bias_wander_sd_radps);
-  for (double t_s = 0.0; t_s <= duration_s + 2.0; t_s += 1.0) {
-    bias_radps_.push_back(bias_radps);
-    bias_radps = kept * bias_radps + random.normal(0.0, fresh_sd);
-  }
+  bias_radps_ = draw_drift(random, config.bias_wander_sd_radps, config.bias_wander_s, duration_s);
 }
 
 /// Smooth noise over the ground with standard deviation 1: patches of surface_m.
@@ -163,7 +176,8 @@ OdometryErrors WheelErrorModel::errors_at(const OdometryErrors& run, double time
   return errors;
 }
 
-InertialUnit::InertialUnit(std::uint64_t seed, const ImuConfig& config, double duration_s)
+InertialUnit::InertialUnit(std::uint64_t seed, const ImuConfig& config, double duration_s,
+                           bool is_level)
     : seed_(seed), config_(config) {
   Random random(seed, Stream::kImuRun);
   double bias_radps = random.normal(0.0, config.yaw_rate_bias_sd_radps);
@@ -177,37 +191,50 @@ InertialUnit::InertialUnit(std::uint64_t seed, const ImuConfig& config, double d
     bias_radps_.push_back(bias_radps);
     bias_radps += random.normal(0.0, step_sd_radps);
   }
+  Random attitude(seed, Stream::kImuAttitude);
+  if (!is_level) {
+    for (double& bias : tilt_rate_bias_radps_) {
+      bias = attitude.normal(0.0, config.yaw_rate_bias_sd_radps);
+    }
+  }
+  if (config.attitude_drift_sd_rad <= 0.0) return;
+  for (auto* drift : {&roll_drift_rad_, &pitch_drift_rad_}) {
+    *drift =
+        draw_drift(attitude, config.attitude_drift_sd_rad, config.attitude_drift_s, duration_s);
+  }
 }
 
 double InertialUnit::yaw_rate_bias_radps(double time_s) const {
   return interpolated(bias_radps_, time_s);
 }
 
-pose::Imu InertialUnit::sample(const DrivePath& path, std::int64_t index, double time_s) const {
+pose::Imu InertialUnit::sample(const DrivePath& path, std::int64_t index, double time_s,
+                               const WheeledBody& body) const {
   Random random(seed_, Stream::kImu, static_cast<std::uint64_t>(index));
-  const double yaw_rate_radps = path.yaw_rate_at(time_s);
-  const bool drives = !path.carried_at(time_s) && time_s >= 0.0 && time_s < path.duration_s();
+  const BodyMotion motion = body.motion_at(path, time_s);
   pose::Imu imu;
-  for (double& rate_radps : imu.angular_rate_radps) {
-    rate_radps = random.normal(0.0, config_.angular_rate_sd_radps);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double bias_radps = axis == 2 ? yaw_rate_bias_radps(time_s) : tilt_rate_bias_radps_[axis];
+    imu.angular_rate_radps[axis] = random.normal(0.0, config_.angular_rate_sd_radps) +
+                                   (motion.angular_rate_radps[axis] + bias_radps);
   }
-  imu.angular_rate_radps[2] += yaw_rate_radps + yaw_rate_bias_radps(time_s);
-  for (double& force_mps2 : imu.acceleration_mps2) {
-    force_mps2 = random.normal(0.0, config_.acceleration_sd_mps2);
+  const double shaken_mps2 = std::hypot(config_.acceleration_sd_mps2, config_.vibration_sd_mps2);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double bias_mps2 = axis == 2 ? 0.0 : acceleration_bias_mps2_[axis];
+    imu.acceleration_mps2[axis] =
+        random.normal(0.0, shaken_mps2) + (bias_mps2 + motion.specific_force_mps2[axis]);
   }
-  imu.acceleration_mps2[0] += acceleration_bias_mps2_[0];
-  // Centripetal acceleration at constant speed on arcs.
-  imu.acceleration_mps2[1] +=
-      acceleration_bias_mps2_[1] + (drives ? path.speed_mps() * yaw_rate_radps : 0.0);
-  imu.acceleration_mps2[2] += kGravity_mps2;
   imu.angular_rate_variance = squared(config_.angular_rate_sd_radps);
   imu.acceleration_variance = squared(config_.acceleration_sd_mps2);
   if (config_.orientation) {
     const double sd_rad = config_.orientation_sd_rad;
+    const Pose3 pose = body.stand_at(path.pose_at(time_s));
     imu.has_orientation = true;
-    imu.roll_rad = random.normal(0.0, sd_rad);
-    imu.pitch_rad = random.normal(0.0, sd_rad);
-    imu.yaw_rad = geometry::wrap_angle_rad(path.pose_at(time_s).yaw_rad + yaw_bias_rad_ +
+    imu.roll_rad =
+        random.normal(0.0, sd_rad) + (pose.roll_rad + interpolated(roll_drift_rad_, time_s));
+    imu.pitch_rad =
+        random.normal(0.0, sd_rad) + (pose.pitch_rad + interpolated(pitch_drift_rad_, time_s));
+    imu.yaw_rad = geometry::wrap_angle_rad(pose.horizontal.yaw_rad + yaw_bias_rad_ +
                                            random.normal(0.0, sd_rad));
     imu.orientation_variance = squared(sd_rad) + squared(config_.yaw_bias_sd_rad);
   }
@@ -302,7 +329,7 @@ SatelliteReceiver::SatelliteReceiver(std::uint64_t seed, const SimulationConfig&
     : seed_(seed), config_(config.gnss), motion_(config.motion), sky_(seed, config.gnss.sky) {}
 
 std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int64_t index,
-                                                 double time_s) const {
+                                                 double time_s, const WheeledBody& body) const {
   if (config_.outage.number_at(time_s) >= 0 || !sky_.is_open(time_s)) return std::nullopt;
   if (const int freeze = config_.freeze.number_at(time_s); freeze >= 0) {
     // Repeat the last fix before, with its noise.
@@ -329,7 +356,8 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
   x_m += sky_m.x();
   y_m += sky_m.y();
   Random random(seed_, Stream::kGnss, static_cast<std::uint64_t>(index));
-  return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random);
+  return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random,
+                       body.stand_at(T_map_base).z_m);
 }
 
 }  // namespace orchard::simulation

@@ -10,6 +10,7 @@
 #include "pose/measurements.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene/drive_path.hpp"
+#include "simulation/scene/wheeled_body.hpp"
 #include "simulation/simulation_config.hpp"
 
 namespace orchard::simulation {
@@ -25,15 +26,17 @@ OdometryErrors draw_odometry_errors(const MotionConfig& config, const WheelsConf
                                     Random& random);
 
 /// Simulates ODOMETRY at a time: the mean motion over the last `period_s`, with the run's errors
-/// and noise. The covariance states both. Lifted wheels stand still. Leaves utime and seq 0.
+/// and noise, along the ground. The covariance states both. Lifted wheels stand still. Leaves utime
+/// and seq 0.
 pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double period_s,
                                  const OdometryErrors& errors, const MotionConfig& config,
-                                 const WheelsConfig& wheels, Random& random);
+                                 const WheelsConfig& wheels, Random& random,
+                                 const WheeledBody& body = {});
 
 /// Simulates a GNSS fix of a point in map, which is east-north-up about `datum`, with noise of sd_m
 /// (twice that upwards). Covariance and quality state stated_sd_m. Leaves utime and seq 0.
 pose::Gnss simulate_gnss(double x_m, double y_m, const std::array<double, 3>& datum, double sd_m,
-                         double stated_sd_m, Random& random);
+                         double stated_sd_m, Random& random, double z_m = 0.0);
 
 /// Simulates an external pose measurement. Leaves utime and seq 0.
 pose::PoseFix simulate_fix(const Pose2& T_map_base, double sd_m, double yaw_sd_rad, Random& random);
@@ -56,14 +59,16 @@ class WheelErrorModel {
   std::vector<double> bias_radps_;  ///< one value per second
 };
 
-/// An IMU fixed to base with the axes of base, on level ground.
+/// An IMU fixed to base with the axes of base.
 class InertialUnit {
  public:
   InertialUnit() = default;
-  InertialUnit(std::uint64_t seed, const ImuConfig& config, double duration_s);
+  InertialUnit(std::uint64_t seed, const ImuConfig& config, double duration_s,
+               bool is_level = true);
 
-  /// Sample `index`, taken at a time of the run [s]. Leaves utime and seq 0.
-  pose::Imu sample(const DrivePath& path, std::int64_t index, double time_s) const;
+  /// Sample `index` of a body on a path, taken at a time of the run [s]. Leaves utime and seq 0.
+  pose::Imu sample(const DrivePath& path, std::int64_t index, double time_s,
+                   const WheeledBody& body = {}) const;
 
   /// Bias of the yaw rate at a time, without noise [rad/s].
   double yaw_rate_bias_radps(double time_s) const;
@@ -72,8 +77,10 @@ class InertialUnit {
   std::uint64_t seed_ = 0;
   ImuConfig config_;
   double acceleration_bias_mps2_[2] = {0.0, 0.0};
+  double tilt_rate_bias_radps_[2] = {0.0, 0.0};  ///< about x and y; 0 on level ground
   double yaw_bias_rad_ = 0.0;
   std::vector<double> bias_radps_;  ///< one value per second
+  std::vector<double> roll_drift_rad_, pitch_drift_rad_;
 };
 
 /// Time-correlated effects on a GNSS receiver: gaps and bursts of fixes, a slowly varying error,
@@ -122,7 +129,8 @@ class SatelliteReceiver {
 
   /// Fix `index`, due at a time of the run [s], with the robot on `path`; none without sky view.
   /// Leaves utime and seq 0.
-  std::optional<pose::Gnss> fix(const DrivePath& path, std::int64_t index, double time_s) const;
+  std::optional<pose::Gnss> fix(const DrivePath& path, std::int64_t index, double time_s,
+                                const WheeledBody& body = {}) const;
 
  private:
   std::uint64_t seed_ = 0;

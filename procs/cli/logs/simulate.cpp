@@ -68,12 +68,13 @@ int run_simulate(const SimulateOptions& options) {
                         if (!sensed) return std::nullopt;
                         return std::visit([](const auto& m) { return bus::Message(m); }, *sensed);
                       });
+  const io::Heights heights = simulator.is_level() ? io::Heights::kNone : io::Heights::kWritten;
   if (!options.truth_path.empty()) {
-    io::write_truth_csv(options.truth_path, simulator.truth());
+    io::write_truth_csv(options.truth_path, simulator.truth(), heights);
     std::printf("%s: %zu true objects\n", options.truth_path.c_str(), simulator.truth().size());
   }
   if (!options.poses_path.empty()) {
-    io::write_poses_csv(options.poses_path, poses);
+    io::write_poses_csv(options.poses_path, poses, heights);
     std::printf("%s: %zu true poses\n", options.poses_path.c_str(), poses.size());
   }
   return bus::kExitOk;

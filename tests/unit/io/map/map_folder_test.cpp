@@ -221,7 +221,24 @@ TEST(TruthCsv, RoundTrip) {
   EXPECT_EQ(again[0].x_m, 1.25);
   EXPECT_EQ(again[0].name, "T1");
   EXPECT_EQ(again[1].label, Label::kObject);
+  EXPECT_EQ(again[0].z_m, 0.0);
   EXPECT_THROW(parse_truth_csv("class,x_m,y_m,width_m\nunseen,0,0,0\n", "t"), FileError);
+}
+
+TEST(TruthCsv, HasHeightsWhereTheGroundIsNotLevel) {
+  const TestFolder folder;
+  std::vector<simulation::TruthObject> truth(1);
+  truth[0].z_m = -1.5;
+  write_truth_csv(folder / "truth.csv", truth, Heights::kWritten);
+  EXPECT_EQ(read_truth_csv(folder / "truth.csv").at(0).z_m, -1.5);
+  EXPECT_THROW(parse_truth_csv("class,x_m,y_m,width_m,y_m\ntree,0,0,0,0\n", "t"), FileError);
+
+  const std::vector<simulation::TruePose> poses{{1000000, 1.0, 2.0, 0.5, 0.25, -0.1, 0.2}};
+  write_poses_csv(folder / "poses.csv", poses, Heights::kWritten);
+  EXPECT_EQ(read_bytes(folder / "poses.csv"),
+            "utime_us,x_m,y_m,yaw_rad,z_m,roll_rad,pitch_rad\n"
+            "1000000,1.0000,2.0000,0.50000,0.2500,-0.10000,0.20000\n");
+  EXPECT_EQ(read_track_csv(folder / "poses.csv").poses.at(0).yaw_rad, 0.5);
 }
 
 TEST(AtomicFile, AFailureLeavesTheOldFileAndNoTemporary) {

@@ -17,9 +17,8 @@ constexpr double kStatedAt_perm = 0.1;
 constexpr double kLowest_perm = 0.05;
 constexpr double kHighest_perm = 2.83;
 
-/// derived: two waves per third of an octave, the finest band of the standard, as in one band two
-/// waves of random directions are the fewest that make bumps instead of ridges.
-constexpr double kWavesPerOctave = 6.0;
+/// derived: one wave per third of an octave, the finest band of the standard.
+constexpr double kWavesPerOctave = 3.0;
 
 /// derived: banks of earth stand at 45 degrees on average.
 constexpr double kBankSlope = 1.0;
@@ -59,10 +58,13 @@ void Terrain::add_bumps(std::uint64_t seed, double roughness_m3) {
   const int num_waves = static_cast<int>(std::ceil(kWavesPerOctave * octaves));
   const double ratio = std::pow(kHighest_perm / kLowest_perm, 1.0 / num_waves);
   double low_perm = kLowest_perm;
+  // By the golden angle few waves come from all directions, neighbouring ones from different ones.
+  const double golden_rad = geometry::kPi * (3.0 - std::sqrt(5.0));
+  double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
   for (int i = 0; i < num_waves; ++i) {
+    towards_rad += golden_rad;
     const double high_perm = low_perm * ratio;
     const double k_radpm = 2.0 * geometry::kPi * low_perm * std::pow(ratio, random.uniform());
-    const double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
     const double phase_rad = random.uniform(-geometry::kPi, geometry::kPi);
     const double variance_m2 = c_m * (1.0 / low_perm - 1.0 / high_perm);
     waves_.push_back({k_radpm * std::cos(towards_rad), k_radpm * std::sin(towards_rad),

@@ -388,6 +388,42 @@ def two_scanners(lab, seeds):
             "path": "; ".join(f"{1e3 * mean(p['ape_position_m']['rmse'] for _, p, _, _ in r):.1f} mm" for r in runs)}
 
 
+SLOPES_PERCENT = (0, 5, 10, 15, 25)
+BUMPS_M3 = {0: 0, 1: 0.00223, 3: 0.0201, 5: 0.0558}  # degrees by which they pitch the body of hills.yaml, one sigma
+
+
+def hills(lab, seeds):
+    """Three rows, up and down a hill that is steeper along them than across, as 4 to 3."""
+    def rig(slope, bumps):
+        return lab.rig("hills", {"simulation.orchard.num_rows": 3, "simulation.terrain.slope_along_percent": 0.8 * slope, **DATUM,
+                                 "simulation.terrain.slope_across_percent": 0.6 * slope, "simulation.terrain.roughness_m3": bumps})
+
+    def one(case):
+        slope, bumps, seed = case
+        of = rig(slope, BUMPS_M3[bumps])
+        drive = lab.drive(of, seed)
+        return lab.judged(lab.map(drive, of, "--quiet"), drive, align=False)
+
+    cases = [(0, 0, seed) for seed in seeds]
+    cases += [(slope, bumps, seed) for bumps in BUMPS_M3 if bumps for slope in SLOPES_PERCENT for seed in seeds]
+    judged = dict(zip(cases, lab.each(cases, one)))
+
+    def figures_of(slopes, bumps):
+        f1, extra = [], []
+        for slope in slopes:
+            maps = [judged[slope, bumps, seed] for seed in seeds]
+            right = sum(m["confusion"]["tree"]["tree"] for m in maps)
+            wrong = sum(m["confusion"]["object"]["tree"] + sum(e["class"] == "tree" for e in m["extra"]) for m in maps)
+            f1.append(2 * right / (right + wrong + sum(m["num_trees"] for m in maps)))
+            extra.append(mean(m["num_extra"] for m in maps))
+        return {f"f1_{bumps}": span(f1), f"extra_{bumps}": span(extra, 1)}
+
+    figures = figures_of((0,), 0)
+    for bumps in BUMPS_M3:
+        figures.update(figures_of(SLOPES_PERCENT, bumps) if bumps else {})
+    return figures
+
+
 def yard(lab, seeds):
     def one(seed):
         drive = lab.drive(lab.rig("yard"), seed, "yard")

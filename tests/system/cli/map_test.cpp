@@ -339,6 +339,18 @@ TEST_F(MapCommand, SimulationStopsAfterTheDuration) {
   EXPECT_EQ(count_lines(read_file(path("poses.csv"))), 17);    // a header, and one per scan
 }
 
+TEST_F(MapCommand, SimulatedHillsHaveHeights) {
+  const Result result =
+      orchard({"simulate", "--scene", "orchard", "--seed", "1", "--out", path("hills.lcm"),
+               "--truth", path("truth.csv"), "--poses", path("poses.csv"), "--duration", "1",
+               "--config", ORCHARD_SOURCE_DIR "/config/hills.yaml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(read_file(path("truth.csv")), HasSubstr("class,x_m,y_m,width_m,z_m\ntree,"));
+  EXPECT_THAT(read_file(path("poses.csv")),
+              HasSubstr("utime_us,x_m,y_m,yaw_rad,z_m,roll_rad,pitch_rad\n"));
+  EXPECT_EQ(num_messages(path("hills.lcm"), "IMU"), 101);
+}
+
 class Overlay : public CliTest {
  protected:
   Result overlay(const std::string& log_path, const std::string& at) const {

@@ -409,14 +409,15 @@ def hills(lab, seeds):
     judged = dict(zip(cases, lab.each(cases, one)))
 
     def figures_of(slopes, bumps):
-        f1, extra = [], []
+        f1, error_mm, extra = [], [], []
         for slope in slopes:
             maps = [judged[slope, bumps, seed] for seed in seeds]
+            error_mm.append(1e3 * mean(m["error_trees"]["rms_m"] for m in maps))
             right = sum(m["confusion"]["tree"]["tree"] for m in maps)
             wrong = sum(m["confusion"]["object"]["tree"] + sum(e["class"] == "tree" for e in m["extra"]) for m in maps)
             f1.append(2 * right / (right + wrong + sum(m["num_trees"] for m in maps)))
             extra.append(mean(m["num_extra"] for m in maps))
-        return {f"f1_{bumps}": span(f1), f"extra_{bumps}": span(extra, 1)}
+        return {f"f1_{bumps}": span(f1), f"error_{bumps}": span(error_mm, 0), f"extra_{bumps}": span(extra, 1)}
 
     figures = figures_of((0,), 0)
     for bumps in BUMPS_M3:

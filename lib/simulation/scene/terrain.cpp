@@ -73,16 +73,18 @@ void Terrain::add_bumps(std::uint64_t seed, double roughness_m3) {
   }
 }
 
+/// Bank k is centred at k + 1/2 terraces, and the terrace of x = 0 is level with the map.
+Terrain::Bank Terrain::bank_at(double x_m) const {
+  const double terrace = std::floor(x_m / terrace_width_m_);
+  const double off_m = x_m - (terrace + 0.5) * terrace_width_m_;
+  return {terrace, std::clamp(off_m / bank_m_ + 0.5, 0.0, 1.0)};
+}
+
 double Terrain::graded_m(double x_m, double y_m) const {
-  double z_m = slope_.x() * x_m + slope_.y() * y_m;
-  if (terrace_height_m_ > 0.0) {
-    // Bank k is centred at k + 1/2 terraces, and the terrace of x = 0 is level with the map.
-    const double terrace = std::floor(x_m / terrace_width_m_);
-    const double off_m = x_m - (terrace + 0.5) * terrace_width_m_;
-    const double u = std::clamp(off_m / bank_m_ + 0.5, 0.0, 1.0);
-    z_m += terrace_height_m_ * (terrace + u * u * (3.0 - 2.0 * u));
-  }
-  return z_m;
+  const double z_m = slope_.x() * x_m + slope_.y() * y_m;
+  if (terrace_height_m_ <= 0.0) return z_m;
+  const auto [terrace, u] = bank_at(x_m);
+  return z_m + terrace_height_m_ * (terrace + u * u * (3.0 - 2.0 * u));
 }
 
 double Terrain::bump_m(double x_m, double y_m) const {
@@ -96,9 +98,7 @@ double Terrain::bump_m(double x_m, double y_m) const {
 Eigen::Vector2d Terrain::gradient(double x_m, double y_m) const {
   Eigen::Vector2d slope = slope_;
   if (terrace_height_m_ > 0.0) {
-    const double terrace = std::floor(x_m / terrace_width_m_);
-    const double off_m = x_m - (terrace + 0.5) * terrace_width_m_;
-    const double u = std::clamp(off_m / bank_m_ + 0.5, 0.0, 1.0);
+    const double u = bank_at(x_m).fraction;
     slope.x() += terrace_height_m_ * 6.0 * u * (1.0 - u) / bank_m_;
   }
   for (const Wave& w : waves_) {

@@ -43,6 +43,13 @@ class Terrain {
     double phase_rad;
   };
 
+  /// A place across the terraces.
+  struct Bank {
+    double terrace;   ///< number of the terrace that ends in the bank
+    double fraction;  ///< of the bank that is passed, 0 before it and 1 behind
+  };
+
+  Bank bank_at(double x_m) const;
   double bump_m(double x_m, double y_m) const;
   void add_bumps(std::uint64_t seed, double roughness_m3);
 

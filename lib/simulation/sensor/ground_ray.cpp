@@ -13,8 +13,8 @@ constexpr double kLeafArea = 1.7;
 /// physical: blades of all directions alike show half of their area to any side (Ross 1981).
 constexpr double kSeenFraction = 0.5;
 
-// physical: reflectance near 905 nm of dry soil, and of green leaves, of which half of the cosines
-// of incidence remains.
+// physical: reflectance near 905 nm of dry soil and of green leaves (typical of the spectra of USGS
+// Data Series 1035); of leaves in all directions half remains, the mean cosine of incidence.
 constexpr double kSoil = 0.3;
 constexpr double kGrass = 0.45 * 0.5;
 

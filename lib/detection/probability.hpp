@@ -16,7 +16,7 @@ inline constexpr std::size_t kNumJudgedFeatures = 10;
 inline constexpr std::size_t kNumLaserFeatures = 6;
 
 /// Weights of the regression from a detection's features to the probabilities of tree, object and
-/// unknown. Section `detector.probability`. Written by `orchard calibrate probability`.
+/// unknown. Section `detector.probability`. Written by `orchard calibrate trunks`.
 ///
 /// The laser lists apply to detections of kind ViewKind::kLaserOnly, the judged lists to kJudged.
 /// Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams / 10), hidden sides; judged
@@ -55,9 +55,9 @@ void describe(Visitor& v, ProbabilityConfig& c) {
   v.numbers("laser_object", c.laser_object, -1e3, 1e3, "1", "the same for object");
   v.check(fits_features(c), "judged_tree",
           "the four lists must have 10, 10, 6 and 6 numbers, or all be empty; run `orchard "
-          "calibrate probability` again");
+          "calibrate trunks` again");
   v.check(!c.enabled || c.learnt(), "enabled",
-          "needs weights; compute them with `orchard calibrate probability`");
+          "needs weights; compute them with `orchard calibrate trunks`");
 }
 
 /// Kind of an observation; selects the weights for its probabilities.

@@ -109,7 +109,7 @@ void describe(Visitor& v, MapperConfig& c) {
                     "class evidence of an observation: its label, or its calibrated probability");
   v.expert().number("evidence_prior", c.evidence_prior, 0.01, 0.99, "1",
                     "evidence: probability: fraction of trees among landmarks; from `orchard "
-                    "calibrate probability`");
+                    "calibrate trunks`");
   v.expert().number(
       "evidence_base_rate", c.evidence_base_rate, 0.01, 0.99, "1",
       "evidence: probability: fraction of trees among the observations of the calibration");

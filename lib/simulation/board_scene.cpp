@@ -27,8 +27,6 @@ float clutter_at(float x, float y, std::uint32_t seed, float contrast) {
   return 105.0f + contrast * (0.6f * soft + 0.25f * fine + 0.6f * hard);
 }
 
-constexpr double kDeg = 3.14159265358979323846 / 180.0;
-
 Eigen::Isometry3d isometry(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = R;
@@ -89,7 +87,6 @@ Eigen::Vector3d middle_of(const calibration::BoardOutline& outline) {
 
 calibration::BoardConfig board_of(const BoardSceneConfig& config) {
   calibration::BoardConfig board;
-  board.kind = calibration::BoardConfig::kChessboard;
   board.columns = config.columns;
   board.rows = config.rows;
   board.square_m = config.square_m;
@@ -198,7 +195,7 @@ BoardScene::BoardScene(std::uint64_t seed, const RigConfig& rig)
   while (static_cast<int>(poses_.size()) < config_.num_poses) {
     std::optional<Eigen::Isometry3d> pose;
     for (int attempt = 0; attempt < 3000 && !pose; ++attempt) {
-      pose = draw_pose(poses_.size(), places);
+      pose = draw_pose(places);
     }
     if (!pose) {
       throw std::invalid_argument(
@@ -224,62 +221,27 @@ bool BoardScene::wholly_in_picture(const Eigen::Isometry3d& T_camera_board) cons
   return true;
 }
 
-std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Random& random) const {
-  if (config_.handling == BoardHandling::kStill && !poses_.empty()) return poses_.front();
+std::optional<Eigen::Isometry3d> BoardScene::draw_pose(Random& random) const {
   const double range_m = random.uniform(config_.range_min_m, config_.range_max_m);
   const double bearing_rad = random.uniform(-0.6, 0.6);
   // In the laser frame, so that the scan plane cuts the board well inside its edges.
-  Eigen::Vector3d middle_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
-                               random.uniform(-0.3, 0.3) * (outline_.y_max_m - outline_.y_min_m));
-  if (config_.seen_by == BoardVisibility::kCameraOnly) middle_laser.z() = random.uniform(0.5, 0.7);
+  const Eigen::Vector3d middle_laser(
+      range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
+      random.uniform(-0.3, 0.3) * (outline_.y_max_m - outline_.y_min_m));
   const Eigen::Vector3d middle = T_camera_laser_ * middle_laser;
 
   const double tilt = config_.tilt_max_rad;
-  double turn_y = random.uniform(-tilt, tilt), lean_x = random.uniform(-tilt, tilt);
-  double roll_z = random.uniform(-0.35, 0.35);
-  const auto jitter = [&] { return random.normal(0.0, 0.4 * kDeg); };  // of a hand
-  switch (config_.handling) {
-    case BoardHandling::kCareful:
-      if (std::hypot(turn_y, lean_x) > tilt) return std::nullopt;
-      break;
-    case BoardHandling::kSmallTilts:
-      turn_y *= 5.0 * kDeg / tilt;
-      lean_x *= 5.0 * kDeg / tilt;
-      break;
-    case BoardHandling::kTurnedOnly:
-      lean_x = jitter();
-      break;
-    case BoardHandling::kLeanedOnly:
-      turn_y = jitter();
-      break;
-    case BoardHandling::kTwoOrientations:
-      turn_y = (number % 2 == 0 ? 0.45 : -0.35) + jitter();
-      lean_x = (number % 2 == 0 ? -0.3 : 0.25) + jitter();
-      roll_z = 0.1;
-      break;
-    case BoardHandling::kParallel:
-    case BoardHandling::kStill:
-      turn_y = jitter();
-      lean_x = jitter();
-      break;
-  }
-  // Tilts about the camera's own axes; kCareful tilts from the line of sight.
-  Eigen::Matrix3d R = (Eigen::AngleAxisd(turn_y, Eigen::Vector3d::UnitY()) *
-                       Eigen::AngleAxisd(lean_x, Eigen::Vector3d::UnitX()))
-                          .toRotationMatrix();
-  if (config_.handling == BoardHandling::kCareful) {
-    const double side = std::atan2(middle.x(), middle.z());
-    R = Eigen::AngleAxisd(side, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
-  }
-  R = R * Eigen::AngleAxisd(roll_z, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  Eigen::Isometry3d T = isometry(R, middle - R * middle_of(outline_));
-  if (config_.seen_by == BoardVisibility::kLaserOnly) return T;  // the camera looks elsewhere
-  if (!wholly_in_picture(T)) {
-    if (config_.seen_by != BoardVisibility::kCameraOnly) return std::nullopt;
-    // A board missed by the scan plane must still be in view: higher and farther.
-    T.translation().z() += 0.5;
-    if (!wholly_in_picture(T)) return std::nullopt;
-  }
+  const double turn_y = random.uniform(-tilt, tilt), lean_x = random.uniform(-tilt, tilt);
+  const double roll_z = random.uniform(-0.35, 0.35);
+  if (std::hypot(turn_y, lean_x) > tilt) return std::nullopt;
+  // Tilts from the line of sight.
+  const Eigen::Matrix3d R =
+      (Eigen::AngleAxisd(std::atan2(middle.x(), middle.z()) + turn_y, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(lean_x, Eigen::Vector3d::UnitX()) *
+       Eigen::AngleAxisd(roll_z, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  const Eigen::Isometry3d T = isometry(R, middle - R * middle_of(outline_));
+  if (!wholly_in_picture(T)) return std::nullopt;
   return T;
 }
 
@@ -328,16 +290,12 @@ laser::Scan BoardScene::scan(const Eigen::Isometry3d& T_camera_board, std::uint6
 calibration::GreyPicture BoardScene::picture(const Eigen::Isometry3d& T_camera_board,
                                              std::uint64_t index) const {
   Random random(seed_, Stream::kImage, index);
-  std::optional<Eigen::Isometry3d> shown;
-  if (config_.seen_by != BoardVisibility::kLaserOnly) shown = T_camera_board;
-  return painter_.take(shown, random);
+  return painter_.take(T_camera_board, random);
 }
 
 vision::Image BoardScene::image(double time_s, std::uint64_t index) const {
   calibration::GreyPicture picture = this->picture(pose_at(time_s, 2 * index + 1), index);
   cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1, picture.grey.data());
-  if (config_.flip == PictureFlip::kLeftRight) cv::flip(grey, grey, 1);
-  if (config_.flip == PictureFlip::kTopBottom) cv::flip(grey, grey, 0);
   cv::Mat colour;
   cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
   vision::Image image;

@@ -77,7 +77,7 @@ class BoardScene {
 
  private:
   Eigen::Isometry3d pose_at(double time_s, std::uint64_t index) const;
-  std::optional<Eigen::Isometry3d> draw_pose(std::size_t number, Random& random) const;
+  std::optional<Eigen::Isometry3d> draw_pose(Random& random) const;
   bool wholly_in_picture(const Eigen::Isometry3d& T_camera_board) const;
   vision::Image image(double time_s, std::uint64_t index) const;
 

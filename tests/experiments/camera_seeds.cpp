@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// camera_seeds chessboard|charuco FIRST LAST: calibrates a simulated camera from 25 pictures of a
+// camera_seeds FIRST LAST: calibrates a simulated camera from 25 pictures of a
 // board, once a seed, and compares with the lens that took them.
 #include <cmath>
 #include <string>
@@ -17,24 +17,13 @@ using namespace orchard;
 
 constexpr int kNumViews = 25;
 
-void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int last) {
+void run(const geometry::CameraIntrinsics& lens, int first, int last) {
   calibration::BoardConfig board;  // 8 x 6 inner corners of 30 mm
-  simulation::BoardMotionConfig motion;
-  if (charuco) {  // as its parts suffice, it is held nearer
-    board.kind = calibration::BoardConfig::kCharuco;
-    board.columns = 7;
-    board.rows = 6;
-    board.square_m = 0.04;
-    board.marker_m = 0.03;
-    motion.whole_board = false;
-    motion.size_min = 0.45;
-    motion.size_max = 0.9;
-  }
   const simulation::BoardPainter painter(lens, board);
   for (int seed = first; seed <= last; ++seed) {
     simulation::Random random(static_cast<std::uint64_t>(seed), simulation::Stream::kImage);
     std::vector<calibration::NamedView> views;
-    for (const auto& T : simulation::show_board(lens, board, kNumViews, motion, random)) {
+    for (const auto& T : simulation::show_board(lens, board, kNumViews, {}, random)) {
       const auto view = calibration::find_board(painter.take(T, random), board);
       if (view) views.push_back({"view " + std::to_string(views.size()), *view});
     }
@@ -56,11 +45,11 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: camera_seeds chessboard|charuco FIRST LAST\n");
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: camera_seeds FIRST LAST\n");
     return 2;
   }
   run(io::load_config(ORCHARD_SOURCE_DIR "/config/tubes.yaml").camera.intrinsics,
-      std::string(argv[1]) == "charuco", std::atoi(argv[2]), std::atoi(argv[3]));
+      std::atoi(argv[1]), std::atoi(argv[2]));
   return 0;
 }

@@ -28,7 +28,6 @@ SceneViews views_of_scene(std::uint64_t seed, const simulation::RigConfig& rig,
   SceneViews out;
   calibration::BoardConfig stated = scene.board();
   stated.square_m *= stated_of_true;
-  stated.marker_m *= stated_of_true;
   out.outline = calibration::outline_of(stated);
   if (outline_measured) {
     const auto sheet = calibration::outline_of(scene.board());

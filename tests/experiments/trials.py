@@ -294,7 +294,7 @@ def beacons(lab, seeds):
 # calibration
 
 def calibration(lab, seeds):
-    camera = lab.lines("camera_seeds", "chessboard", seeds[0], seeds[-1])
+    camera = lab.lines("camera_seeds", seeds[0], seeds[-1])
     mount = lab.lines("laser_camera_seeds", seeds[0], seeds[-1], 20, "edges")
     mount = [m for m in mount if not m["refused"]]
     wrong = [line for stated in (0.80, 0.85, 0.90, 0.95, 1.05, 1.10, 1.15, 1.20)

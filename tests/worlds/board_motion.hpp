@@ -14,7 +14,6 @@ namespace orchard::simulation {
 
 /// Range of the poses in which a person holds a board before a camera.
 struct BoardMotionConfig {
-  bool whole_board = true;    ///< whole board in the picture; else its middle (enough for ChArUco)
   double tilt_max_rad = 0.8;  ///< between the board's normal and the line of sight
   double turn_max_rad = 0.4;  ///< of the board in its own plane
   double size_min = 0.35;     ///< board width as a fraction of the picture width
@@ -26,8 +25,8 @@ struct BoardMotionConfig {
 inline bool is_in_view(const geometry::CameraModel& model, const calibration::BoardConfig& board,
                        const Eigen::Isometry3d& T_camera_board) {
   const double half_m = 0.5 * board.square_m;
-  const double right_m = (board.corner_columns() - 1) * board.square_m + half_m;
-  const double bottom_m = (board.corner_rows() - 1) * board.square_m + half_m;
+  const double right_m = (board.columns - 1) * board.square_m + half_m;
+  const double bottom_m = (board.rows - 1) * board.square_m + half_m;
   for (const double x_m : {-half_m, right_m}) {
     for (const double y_m : {-half_m, bottom_m}) {
       const auto pixel = model.project(T_camera_board * Eigen::Vector3d(x_m, y_m, 0.0));
@@ -45,8 +44,8 @@ inline std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsic
                                                  int num_views, const BoardMotionConfig& config,
                                                  Random& random) {
   const geometry::CameraModel model(camera);
-  const double width_m = (board.corner_columns() - 1) * board.square_m;
-  const double height_m = (board.corner_rows() - 1) * board.square_m;
+  const double width_m = (board.columns - 1) * board.square_m;
+  const double height_m = (board.rows - 1) * board.square_m;
   const Eigen::Vector3d middle_board(0.5 * width_m, 0.5 * height_m, 0.0);
   constexpr int kTries = 400;  // per view, from the picture's edge towards its middle
   std::vector<Eigen::Isometry3d> poses;
@@ -72,7 +71,7 @@ inline std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsic
               .toRotationMatrix();
       T_camera_board.translation() = Eigen::Vector3d(ray.x() * z_m, ray.y() * z_m, z_m) -
                                      T_camera_board.linear() * middle_board;
-      if (config.whole_board && !is_in_view(model, board, T_camera_board)) continue;
+      if (!is_in_view(model, board, T_camera_board)) continue;
       poses.push_back(T_camera_board);
       break;
     }

@@ -22,22 +22,15 @@ struct GreyPicture {
 /// of the stated size.
 std::optional<GreyPicture> grey_of(const vision::Image& image);
 
-/// Geometry and pattern of a flat calibration board.
+/// Geometry of a flat chessboard for calibration.
 ///
 /// Board frame: origin at the first inner corner, x along the columns, y along the rows, z into the
 /// board's back. Seen upright from the front, x points right and y down, as in an image.
 struct BoardConfig {
-  enum Kind { kChessboard, kCharuco };
-  Kind kind = kChessboard;
-  int columns = 8;                    ///< inner corners (chessboard) or squares (ChArUco) per row
-  int rows = 6;                       ///< inner corners or squares per column
-  double square_m = 0.03;             ///< side of a square
-  double marker_m = 0.022;            ///< side of a marker, black border included (ChArUco)
-  std::string dictionary = "4x4_50";  ///< of the markers: 4x4|5x5|6x6|7x7 _ 50|100|250|1000
-  double margin_m = 0.03;             ///< white margin beyond the outer squares
-
-  int corner_columns() const { return kind == kChessboard ? columns : columns - 1; }
-  int corner_rows() const { return kind == kChessboard ? rows : rows - 1; }
+  int columns = 8;         ///< inner corners per row
+  int rows = 6;            ///< inner corners per column
+  double square_m = 0.03;  ///< side of a square
+  double margin_m = 0.03;  ///< white margin beyond the outer squares
 };
 
 /// The error in a board's description, as one clause with the remedy; none when it is valid.
@@ -52,15 +45,14 @@ struct BoardOutline {
 };
 BoardOutline outline_of(const BoardConfig& board);
 
-/// The inner corners of a board found in one image: all corners of a chessboard, row by row, or the
-/// visible corners of a ChArUco board.
+/// The inner corners of a board found in one image, row by row.
 struct BoardView {
   std::vector<Eigen::Vector2d> corners_px;  ///< pixel centres have integer coordinates
   std::vector<Eigen::Vector2d> corners_m;   ///< the same corners in the board frame
 };
 
 /// Finds the board's inner corners in an image with subpixel accuracy. None when the board is not
-/// in view; a chessboard must be fully in view. Deterministic.
+/// fully in view. Deterministic.
 ///
 /// A chessboard looks the same after a rotation by 180 degrees: its x axis is taken to point right
 /// in the image, or down when the board is upright. Throws std::invalid_argument for a board that
@@ -77,12 +69,8 @@ class BoardPattern {
   std::optional<bool> is_white(double x_m, double y_m) const;
 
  private:
-  bool marker_is_white(int marker, double column_fraction, double row_fraction) const;
-
   BoardConfig board_;
   BoardOutline outline_;
-  int marker_cells_ = 0;               ///< per side, black border included
-  std::vector<std::uint8_t> markers_;  ///< 1 = white, cell by cell, marker by marker
 };
 
 /// Indices of `count` places, in ascending order, each the farthest from those chosen before,

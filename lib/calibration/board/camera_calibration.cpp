@@ -182,10 +182,8 @@ CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int widt
       continue;
     }
     result.views.push_back(figures_of(view, solution, next));
-    for (std::size_t k = 0; k < view.view.corners_px.size(); ++k) {
-      const Eigen::Vector2d& found = view.view.corners_px[k];
-      result.residuals.push_back({found, found - in_eigen(solution.modelled[next][k])});
-    }
+    result.corners_px.insert(result.corners_px.end(), view.view.corners_px.begin(),
+                             view.view.corners_px.end());
     ++next;
   }
   return result;
@@ -419,9 +417,9 @@ double CameraCoverage::fraction() const {
 CameraCoverage coverage_of(const CameraCalibration& calibration, int columns, int rows) {
   CameraCoverage coverage{columns, rows, {}};
   coverage.corners.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
-  for (const CornerResidual& corner : calibration.residuals) {
-    const double across = (corner.found_px.x() + 0.5) / calibration.intrinsics.width_px;
-    const double down = (corner.found_px.y() + 0.5) / calibration.intrinsics.height_px;
+  for (const Eigen::Vector2d& corner_px : calibration.corners_px) {
+    const double across = (corner_px.x() + 0.5) / calibration.intrinsics.width_px;
+    const double down = (corner_px.y() + 0.5) / calibration.intrinsics.height_px;
     const int column = std::clamp(static_cast<int>(across * columns), 0, columns - 1);
     const int row = std::clamp(static_cast<int>(down * rows), 0, rows - 1);
     ++coverage.corners[static_cast<std::size_t>(row * columns + column)];

@@ -39,23 +39,17 @@ struct ViewFigures {
   bool used = true;              ///< false: left out as an outlier
 };
 
-/// A corner and its residual.
-struct CornerResidual {
-  Eigen::Vector2d found_px;
-  Eigen::Vector2d residual_px;  ///< found minus modelled
-};
-
 /// Estimated intrinsics and the figures for judging them.
 struct CameraCalibration {
   geometry::CameraIntrinsics intrinsics;  ///< alpha_c is 0
   std::array<double, 2> fc_sd_px{};       ///< standard deviations
   std::array<double, 2> cc_sd_px{};
   std::array<double, 5> kc_sd{};
-  double rms_px = 0.0;                    ///< root mean square distance over all used corners
-  int num_views = 0;                      ///< used
-  int num_corners = 0;                    ///< used
-  std::vector<ViewFigures> views;         ///< all, in the order given
-  std::vector<CornerResidual> residuals;  ///< of the used views
+  double rms_px = 0.0;                      ///< root mean square distance over all used corners
+  int num_views = 0;                        ///< used
+  int num_corners = 0;                      ///< used
+  std::vector<ViewFigures> views;           ///< all, in the order given
+  std::vector<Eigen::Vector2d> corners_px;  ///< found, of the used views
 };
 
 // derived: Zhang's method has five unknowns, two equations for each view.

@@ -83,7 +83,6 @@ LandmarkMatch LandmarkOutcomes::match(const Candidate& candidate, double& distan
   }
   const bool any_fits = std::any_of(near.begin(), near.end(), [](const Near& n) { return n.fits; });
   LandmarkMatch match;
-  match.fits = any_fits;
   std::set<Label> labels;
   distance_m = std::numeric_limits<double>::infinity();
   for (const Near& n : near) {
@@ -116,21 +115,17 @@ std::vector<LandmarkMatch> LandmarkOutcomes::match(const std::vector<Candidate>&
   return matches;
 }
 
-LandmarkSamples landmark_samples(const std::vector<detection::Detections>& messages,
-                                 const std::vector<pose::PoseEstimate>& trajectory,
-                                 const LandmarkOutcomes& outcomes, const MapperConfig& config,
-                                 int recording) {
+std::vector<ProbabilitySample> landmark_samples(const std::vector<detection::Detections>& messages,
+                                                const std::vector<pose::PoseEstimate>& trajectory,
+                                                const LandmarkOutcomes& outcomes,
+                                                const MapperConfig& config, int recording) {
   mapping::PoseTrack track(config.pose_gap_max_s);
   for (const pose::PoseEstimate& pose : trajectory) track.add(pose);
   const auto dense_us = static_cast<std::int64_t>(1e6 * config.deskew_pose_gap_max_s);
-  LandmarkSamples found;
-  std::set<int> observed;
+  std::vector<ProbabilitySample> samples;
   for (const detection::Detections& message : messages) {
-    if (message.trunks.empty()) continue;
-    ++found.num_scans;
     const auto T_map_base = track.at(message.utime);
     if (!T_map_base) continue;
-    ++found.num_placed_scans;
     const bool is_dense = dense_us > 0 && track.is_dense_at(message.utime, dense_us);
     const detection::Detections placed =
         is_dense ? mapping::deskewed(message, track, *T_map_base) : message;
@@ -138,11 +133,7 @@ LandmarkSamples landmark_samples(const std::vector<detection::Detections>& messa
                                        config.observation_range_max_m);
     const auto matches = outcomes.match(scan);
     for (std::size_t k = 0; k < scan.size(); ++k) {
-      found.num_fitting += matches[k].fits ? 1 : 0;
-      if (matches[k].is_doubtful) {
-        ++found.num_doubtful;
-        continue;
-      }
+      if (matches[k].is_doubtful) continue;
       const int index = matches[k].landmark;
       // What is learnt from is the detection as the detector sent it.
       const auto at = static_cast<std::size_t>(scan[k].detection - placed.trunks.data());
@@ -151,13 +142,11 @@ LandmarkSamples landmark_samples(const std::vector<detection::Detections>& messa
         const Landmark& landmark = outcomes.landmarks()[static_cast<std::size_t>(index)];
         const bool is_tree = landmark.label == Label::kTree;
         sample.outcome = is_tree ? Outcome::kTree : Outcome::kObject;
-        ++found.num_matched;
-        if (observed.insert(index).second) ++(is_tree ? found.num_trees : found.num_objects);
       }
-      found.samples.push_back(sample);
+      samples.push_back(sample);
     }
   }
-  return found;
+  return samples;
 }
 
 namespace {

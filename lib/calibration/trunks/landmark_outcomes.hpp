@@ -16,7 +16,6 @@ namespace orchard::calibration {
 /// The landmark that a detection belongs to.
 struct LandmarkMatch {
   int landmark = -1;         ///< index in the map; -1 = none
-  bool fits = false;         ///< within the errors of detection and landmark
   bool is_doubtful = false;  ///< it may belong to a tree or to something else
 };
 
@@ -50,27 +49,17 @@ class LandmarkOutcomes {
   geometry::PointGrid grid_;  ///< of the places
 };
 
-/// The detections of a recording with the outcomes that its map gives them.
-struct LandmarkSamples {
-  std::vector<ProbabilitySample> samples;  ///< in order of time; without the doubtful ones
-  int num_scans = 0;                       ///< with detections
-  int num_placed_scans = 0;                ///< of these, scans with a pose
-  int num_trees = 0;                       ///< landmarks that are trees and were observed
-  int num_objects = 0;                     ///< the same for other objects
-  int num_matched = 0;                     ///< samples that belong to a landmark
-  int num_doubtful = 0;                    ///< detections left out
-  int num_fitting = 0;  ///< of the matched and the doubtful: within the errors of both
-};
-
-/// Places the detections of a recording in map by the poses of its trajectory, as the mapper does
-/// (deskewed where poses are dense), and labels them by the landmarks they belong to: tree, object,
-/// or neither. Landmarks of class unseen make their detections doubtful. `trajectory`: T_map_base
-/// over time, after all corrections. Detections without a pose, or beyond observation_range_max_m,
-/// are left out.
-LandmarkSamples landmark_samples(const std::vector<detection::Detections>& messages,
-                                 const std::vector<pose::PoseEstimate>& trajectory,
-                                 const LandmarkOutcomes& outcomes,
-                                 const mapping::MapperConfig& config, int recording);
+/// The detections of a recording with the outcomes that its map gives them, in order of time; those
+/// that may be a tree or something else are left out.
+///
+/// They are placed in map by the poses of its trajectory, as the mapper does (deskewed where poses
+/// are dense), and labelled by the landmarks they belong to: tree, object, or neither. Landmarks of
+/// class unseen make their detections doubtful. `trajectory`: T_map_base over time, after all
+/// corrections. Detections without a pose, or beyond observation_range_max_m, are left out.
+std::vector<ProbabilitySample> landmark_samples(const std::vector<detection::Detections>& messages,
+                                                const std::vector<pose::PoseEstimate>& trajectory,
+                                                const LandmarkOutcomes& outcomes,
+                                                const mapping::MapperConfig& config, int recording);
 
 /// The objects of one log as landmarks in map: tree, object, or unseen for a doubtful one. Standard
 /// errors are those of the mean of the object's observations. Objects without poses are left out.

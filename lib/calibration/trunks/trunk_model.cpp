@@ -266,16 +266,16 @@ void compare_populations(const std::vector<ObjectTrack>& tracks,
   if (std::max(by_width, by_hue) < options.separation_min) {
     model.warnings.push_back(fmt::format(
         "{} cannot be separated from the trunks ({}; {:.0f} are needed): a mixed orchard, or posts "
-        "like trunks; choose the trunks with --list and --trees",
+        "like trunks; choose the trunks with --map and --ids",
         what, apart, options.separation_min));
   }
   const double fraction =
       static_cast<double>(trunks.size()) / static_cast<double>(trunks.size() + others.size());
   if (fraction < options.fraction_min) {
-    model.warnings.push_back(fmt::format(
-        "{} are about as many as the {} objects classified as trunks; check them with --list, and "
-        "choose with --trees",
-        what, trunks.size()));
+    model.warnings.push_back(
+        fmt::format("{} are about as many as the {} objects classified as trunks; choose the "
+                    "trunks with --map and --ids",
+                    what, trunks.size()));
   }
 }
 
@@ -304,21 +304,8 @@ void warn_of_two_populations(const std::vector<ObjectTrack>& tracks,
   if (largest < options.separation_min) return;
   model.warnings.push_back(fmt::format(
       "there are two kinds of trunks, about {:.0f} mm and {:.0f} mm wide ({:.1f} sd apart): one "
-      "mean fits neither; choose the trunks of one kind with --trees",
+      "mean fits neither; choose the trunks of one kind with --map and --ids",
       1e3 * mean_of(thin_m), 1e3 * mean_of(thick_m), largest));
-}
-
-std::vector<std::size_t> picked_by_number(const std::vector<ObjectTrack>& tracks,
-                                          const std::vector<int>& numbers) {
-  std::vector<std::size_t> picked;
-  for (const int number : numbers) {
-    if (number < 1 || number > static_cast<int>(tracks.size())) {
-      throw std::runtime_error(fmt::format(
-          "there is no object {}, only 1 to {}; list them with --list DIR", number, tracks.size()));
-    }
-    picked.push_back(static_cast<std::size_t>(number - 1));
-  }
-  return picked;
 }
 
 std::vector<std::size_t> picked_by_place(const std::vector<ObjectTrack>& tracks,
@@ -348,11 +335,10 @@ std::vector<std::size_t> picked_by_place(const std::vector<ObjectTrack>& tracks,
 
 std::vector<std::size_t> find_trunks(const std::vector<ObjectTrack>& tracks, bool has_hue,
                                      const TrunkModelOptions& options) {
-  if (!options.picked.empty()) return picked_by_number(tracks, options.picked);
   if (!options.picked_trunks.empty()) {
     return picked_by_place(tracks, options.picked_trunks, options.gate_m);
   }
-  if (!options.judged.empty()) return picked_by_number(tracks, options.judged);
+  if (!options.judged.empty()) return options.judged;
   const auto trunks =
       largest_population(tracks, std::vector<bool>(tracks.size()), has_hue, options);
   if (trunks.empty()) {
@@ -410,7 +396,7 @@ const char* class_name(const ObservedObject& seen) {
 TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observations,
                                 const TrunkModelOptions& options) {
   TrunkModel model;
-  model.is_picked = !options.picked.empty() || !options.picked_trunks.empty();
+  model.is_picked = !options.picked_trunks.empty();
   model.width_spread = options.width_spread;
   model.has_hue = std::any_of(
       observations.begin(), observations.end(),

@@ -37,7 +37,7 @@ struct PickedTrunk {
 struct TrunkModelOptions {
   int wanted_trunks = 20;        ///< fewer trunks give a warning
   int min_observations = 3;      ///< min number of observations of a trunk
-  int min_beams = 4;             ///< ObserveOptions::min_beams of the observations
+  int min_beams = 4;             ///< of the observations
   double gate_m = 0.3;           ///< association gate
   double width_spread = 0.25;    ///< max relative difference of a trunk from the typical width
   double hue_spread_deg = 20.0;  ///< max difference from the typical dominant hue
@@ -45,9 +45,8 @@ struct TrunkModelOptions {
   double hue_margin_deg = 2.0;   ///< added to the hue interval at each end
   double separation_min = 4.0;   ///< min separation of populations in pooled standard deviations
   double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
-  std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic
-  std::vector<PickedTrunk> picked_trunks;  ///< or positions of the trunks in map
-  std::vector<int> judged;  ///< or numbers of the objects that select_trunks() judged as trunks
+  std::vector<PickedTrunk> picked_trunks;  ///< positions of the trunks in map; empty: automatic
+  std::vector<std::size_t> judged;         ///< or the objects that select_trunks() judged as trunks
 };
 
 /// One object that was observed several times.

@@ -17,7 +17,6 @@ namespace {
 // derived: from the reach of a window's bands.
 /// Distance of a window beside a trunk in window widths, so that its bands do not cover the trunk.
 constexpr int kWidthsOff = 3;
-constexpr int kCropMargin_px = 12;
 
 /// Windows of all objects of the scan in the image; windows "beside" must not overlap any of them.
 std::vector<vision::PixelRect> windows_of(const std::vector<laser::Segment>& segments,
@@ -31,34 +30,14 @@ std::vector<vision::PixelRect> windows_of(const std::vector<laser::Segment>& seg
   return windows;
 }
 
-vision::PixelBlock cut(const vision::PixelBlock& pixels, const vision::PixelRect& area) {
-  vision::PixelBlock part;
-  part.area = vision::intersection(area, pixels.area);
-  const auto stride = 3 * static_cast<std::ptrdiff_t>(pixels.area.width_px);
-  for (int y = 0; y < part.area.height_px; ++y) {
-    const auto row = pixels.bgr.begin() + stride * (part.area.y_px + y - pixels.area.y_px) +
-                     3 * (part.area.x_px - pixels.area.x_px);
-    part.bgr.insert(part.bgr.end(), row, row + 3 * part.area.width_px);
-  }
-  return part;
-}
-
 /// Adds the image features of one segment; false if it is not fully in view.
 bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision::Image& image,
-             const std::vector<vision::PixelRect>& taken, const detection::Rig& rig,
-             const ObserveOptions& options) {
+             const std::vector<vision::PixelRect>& taken, const detection::Rig& rig) {
   const auto view = detection::view_of(segment, rig);
   if (!view) return false;
   const vision::PixelRect picture = detection::picture_of(rig);
   const vision::PixelRect window = detection::trunk_window(*view, rig);
-  vision::PixelRect crop = window;
-  if (options.crops) {
-    const int margin = std::max(kCropMargin_px, window.width_px);
-    crop = vision::intersection({window.x_px - margin, window.y_px - margin,
-                                 window.width_px + 2 * margin, window.height_px + 2 * margin},
-                                picture);
-  }
-  const auto reading = vision::bounding(vision::bounding(view->centre, crop),
+  const auto reading = vision::bounding(vision::bounding(view->centre, window),
                                         vision::appearance_reading_area(window, picture));
   const auto pixels = vision::decode(image, reading);
   if (!pixels) return false;
@@ -81,15 +60,13 @@ bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision
     });
     if (free && picture.contains(beside)) look_at(beside, seen.beside);
   }
-  if (options.crops) seen.crop = cut(*pixels, crop);
   return true;
 }
 
 }  // namespace
 
 std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const vision::Image* image,
-                                             const detection::Rig& rig,
-                                             const ObserveOptions& options) {
+                                             const detection::Rig& rig, int min_beams) {
   std::vector<TrunkObservation> observations;
   if (rig.has_camera && !image) return observations;
   const auto segments = laser::segment(scan, rig.detector.segmentation, rig.detector.width,
@@ -97,7 +74,7 @@ std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const visi
   const auto taken = rig.has_camera ? windows_of(segments, rig) : std::vector<vision::PixelRect>{};
   for (const laser::Segment& segment : segments) {
     if (segment.occluded_left || segment.occluded_right) continue;
-    if (segment.num_beams < options.min_beams) continue;
+    if (segment.num_beams < min_beams) continue;
     detection::Detection placed;
     detection::place_in_base(placed, segment, scan, false, rig);
     TrunkObservation observation;
@@ -107,7 +84,7 @@ std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const visi
     observation.range_m = segment.range_m;
     observation.beam_step_rad = scan.bearing_step_rad;
     observation.width_m = segment.width_m;
-    if (rig.has_camera && !observe(observation, segment, *image, taken, rig, options)) continue;
+    if (rig.has_camera && !observe(observation, segment, *image, taken, rig)) continue;
     observations.push_back(std::move(observation));
   }
   return observations;

@@ -34,20 +34,12 @@ struct TrunkObservation {
   std::optional<vision::WindowLight> light;  ///< of its colour window
   std::vector<WindowObservation> on;         ///< between its edges, at every kLearntExposures_ev
   std::vector<WindowObservation> beside;     ///< at the same height, beside all objects of the scan
-  vision::PixelBlock crop;                   ///< the object and its surroundings, if requested
-};
-
-/// Options for extracting observations.
-struct ObserveOptions {
-  int min_beams = 4;   ///< min number of beams; fewer do not determine a width
-  bool crops = false;  ///< keep pixels for visual inspection
 };
 
 /// Extracts from a scan all objects that are usable for a trunk model: not hidden, at least
-/// `min_beams`, and fully in view of the camera if the rig has one. Positions are in base (in_map
-/// false). `image` may be null.
+/// `min_beams` (fewer do not determine a width), and fully in view of the camera if the rig has
+/// one. Positions are in base (in_map false). `image` may be null.
 std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const vision::Image* image,
-                                             const detection::Rig& rig,
-                                             const ObserveOptions& options);
+                                             const detection::Rig& rig, int min_beams);
 
 }  // namespace orchard::calibration

@@ -232,7 +232,7 @@ std::optional<TrunkModel> judge(const std::vector<TrunkObservation>& observation
     const double probability = scores[i] ? classes.probability(*scores[i]) : 0.5;
     const bool is_enough = model.objects[i].num_observations >= options.min_observations;
     if (is_kept[i] || (is_enough && probability > 0.5)) {
-      options.judged.push_back(static_cast<int>(i) + 1);
+      options.judged.push_back(i);
     } else {
       is_doubtful[i] = probability > tuning::kSurelyNone;
     }

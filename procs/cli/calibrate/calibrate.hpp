@@ -14,12 +14,10 @@ namespace orchard::cli {
 struct CalibrateCameraOptions {
   std::vector<std::string> paths;  ///< pictures, folders of them, or one log
   std::string import_path;         ///< result of another tool to import instead
-  std::string board_kind = "chessboard";
   calibration::BoardConfig board;
-  std::string config_path;    ///< rig to start from
-  std::string out_path;       ///< rig to write; empty: config_path; both empty: print only
-  std::string coverage_path;  ///< also draws the positions of the corners
-  int max_views = 40;         ///< selects the most different ones
+  std::string config_path;  ///< rig to start from
+  std::string out_path;     ///< rig to write; empty: config_path; both empty: print only
+  int max_views = 40;       ///< selects the most different ones
   bool estimate_k3 = false;
   bool force = false;  ///< writes the result even if it fails the checks
   bool quiet = false;
@@ -44,43 +42,23 @@ struct CalibrateDelayOptions {
 /// the exit code. Throws io::FileError and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_delay(const CalibrateDelayOptions& options);
 
-/// `orchard calibrate laser-camera LOG --config IN --columns N --rows N --square-m S --out OUT`, or
-/// `--import FILE` instead of a log.
+/// `orchard calibrate laser-camera LOG --config IN --columns N --rows N --square-m S --out OUT`.
 struct CalibrateLaserCameraOptions {
   std::string log_path;
   std::string config_path;
   std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
   calibration::BoardConfig board;
-  std::string board_kind = "chessboard";
   double board_width_m = 0.0;  ///< outer size, with the pattern in the middle; 0: unknown
   double board_height_m = 0.0;
   int max_views = 40;
   bool any_mount = false;  ///< accept extrinsics that contradict the rig's YAML
-  std::string import_path;
-  std::string import_axes = "toolbox";
-  std::string import_angles = "stated";
   bool quiet = false;
 };
 
-/// Calibrates the laser-camera extrinsics from a log of a board in view of both, or imports them,
-/// and writes them into a rig's YAML, keeping its comments and layout; returns the exit code.
-/// Throws io::FileError and io::ConfigError, and then writes nothing.
+/// Calibrates the laser-camera extrinsics from a log of a board in view of both, and writes them
+/// into a rig's YAML, keeping its comments and layout; returns the exit code. Throws io::FileError
+/// and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options);
-
-/// `orchard calibrate probability LOG... --map DIR... --config IN --out OUT`.
-struct CalibrateProbabilityOptions {
-  std::vector<std::string> log_paths;    ///< logs with scans, or derived logs
-  std::vector<std::string> map_folders;  ///< the map of each log
-  std::string ids;  ///< of the landmarks of a single map that are trees; empty: its classes
-  std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
-  bool quiet = false;
-};
-
-/// Learns the probability of a tree as a function of the detector's measurements and writes it,
-/// with the mapper's prior and correlation, into a rig's YAML; returns the exit code. Throws
-/// io::FileError and io::ConfigError, and then writes nothing.
-[[gnu::weak]] int run_calibrate_probability(const CalibrateProbabilityOptions& options);
 
 /// The colour model written by a calibration.
 enum class ColourChoice {
@@ -104,10 +82,8 @@ struct CalibrateTrunksOptions {
   int wanted_trunks = 20;  ///< min number without a warning
   ColourChoice colour_model = ColourChoice::kAuto;
   DecisionChoice decision = DecisionChoice::kAuto;
-  std::string list_folder;        ///< only writes a page of all objects, for selecting trunks
-  std::string trees;              ///< numbers of that page: "3,7,9-20"; empty: automatic
-  std::string map_folder;         ///< or a first map (a folder, or its map.csv) and ...
-  std::string ids;                ///< ... the ids of its trunks
+  std::string map_folder;         ///< a first map (a folder, or its map.csv) and ...
+  std::string ids;                ///< ... the ids of its trunks; empty: automatic
   MaskedPictureOptions pictures;  ///< used instead of logs when it has folders
   bool quiet = false;
 };

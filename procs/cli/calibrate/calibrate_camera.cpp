@@ -21,7 +21,6 @@
 #include "io/config/camera_import.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
-#include "io/figure/coverage_figure.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/progress_bar.hpp"
@@ -175,13 +174,11 @@ BoardViews find_board_views(const std::vector<std::string>& paths,
     found.source = std::to_string(files.size()) + " pictures";
   }
   if (found.views.empty()) {
-    const bool chess = board.kind == calibration::BoardConfig::kChessboard;
     throw io::FileError(fmt::format(
-        "no board was found in any of the {} pictures (the first is {}); show a {} of {} x {} {} "
-        "(--columns, --rows) entirely in view, sharp and with a white margin",
-        found.without_board.size(), found.without_board.front(),
-        chess ? "chessboard" : "ChArUco board", board.columns, board.rows,
-        chess ? "inner corners" : "squares"));
+        "no board was found in any of the {} pictures (the first is {}); show a chessboard of {} x "
+        "{} "
+        "inner corners (--columns, --rows) entirely in view, sharp and with a white margin",
+        found.without_board.size(), found.without_board.front(), board.columns, board.rows));
   }
   return found;
 }
@@ -305,13 +302,13 @@ void warn_of_pictures_without_board(const BoardViews& found) {
 
 std::string note_of(const CameraCalibration& calibration, const std::string& source,
                     const calibration::BoardConfig& board, std::size_t num_reasons) {
-  const bool chess = board.kind == calibration::BoardConfig::kChessboard;
   std::string note = fmt::format(
-      "{} views in {}, {} {} x {} of {:.1f} mm, rms {:.3f} px; sd fc {:.2f}, {:.2f}, cc {:.2f}, "
+      "{} views in {}, chessboard {} x {} of {:.1f} mm, rms {:.3f} px; sd fc {:.2f}, {:.2f}, cc "
+      "{:.2f}, "
       "{:.2f} px",
-      calibration.num_views, source, chess ? "chessboard" : "ChArUco board", board.columns,
-      board.rows, 1e3 * board.square_m, calibration.rms_px, calibration.fc_sd_px[0],
-      calibration.fc_sd_px[1], calibration.cc_sd_px[0], calibration.cc_sd_px[1]);
+      calibration.num_views, source, board.columns, board.rows, 1e3 * board.square_m,
+      calibration.rms_px, calibration.fc_sd_px[0], calibration.fc_sd_px[1], calibration.cc_sd_px[0],
+      calibration.cc_sd_px[1]);
   if (num_reasons > 0) note += fmt::format("; FORCED despite {} failed checks", num_reasons);
   return note;
 }
@@ -361,13 +358,9 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
   if (options.paths.empty()) {
     throw io::FileError("no input: give pictures, a folder of them, a log, or --import FILE");
   }
-  calibration::BoardConfig board = options.board;
-  board.kind = options.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
-                                               : calibration::BoardConfig::kChessboard;
+  const calibration::BoardConfig& board = options.board;
   if (const auto problem = calibration::problem_with(board)) throw io::FileError(*problem);
   const RigTarget target = rig_target(options.config_path, options.out_path);
-  const bool draws = !options.coverage_path.empty();
-  const auto format = draws ? io::figure_format(options.coverage_path) : io::FigureFormat::kPng;
 
   const BoardViews found = find_board_views(options.paths, board, options.quiet);
   geometry::CameraIntrinsics pictures;
@@ -383,10 +376,6 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
                                          found.width_px, found.height_px, how);
   });
   if (!options.quiet) print_calibration(calibration);
-  if (draws) {
-    io::write_file_atomically(options.coverage_path, io::coverage_figure(calibration, format));
-    if (!options.quiet) std::printf("corners drawn to %s\n", options.coverage_path.c_str());
-  }
   const std::vector<std::string> reasons = calibration::rejection_reasons(calibration);
   for (const std::string& reason : reasons) {
     std::fprintf(stderr, "orchard calibrate camera: %s\n", reason.c_str());

@@ -9,22 +9,18 @@
 namespace orchard::cli {
 namespace {
 
-void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::string& kind) {
-  add_checked(command, "--board", kind, CLI::IsMember({"chessboard", "charuco"}));
+void add_board_options(CLI::App& command, calibration::BoardConfig& board) {
   add_shown(command, "--columns", board.columns);
   add_shown(command, "--rows", board.rows);
   add_shown(command, "--square-m", board.square_m);
-  add_shown(command, "--marker-m", board.marker_m);
-  add_shown(command, "--dictionary", board.dictionary);
 }
 
 void declare(CLI::App& command, CalibrateCameraOptions& o) {
   add_value(command, "pictures", o.paths, "PICTURES...|LOG");
   add_value(command, "--import", o.import_path, "FILE");
-  add_board_options(command, o.board, o.board_kind);
+  add_board_options(command, o.board);
   add_value(command, "--config", o.config_path, "FILE");
   add_value(command, "--out", o.out_path, "FILE");
-  add_value(command, "--coverage", o.coverage_path, "SVG|PNG|PDF");
   add_limited(command, "--max-views", o.max_views, 3, 200);
   command.add_flag("--k3", o.estimate_k3);
   command.add_flag("--force", o.force);
@@ -32,10 +28,10 @@ void declare(CLI::App& command, CalibrateCameraOptions& o) {
 }
 
 void declare(CLI::App& command, CalibrateLaserCameraOptions& o) {
-  add_value(command, "log", o.log_path, "LOG");
+  add_required(command, "log", o.log_path, "LOG");
   add_required(command, "--config", o.config_path, "FILE");
   add_value(command, "--out", o.out_path, "FILE");
-  add_board_options(command, o.board, o.board_kind);
+  add_board_options(command, o.board);
   CLI::Option* width =
       add_value(command, "--board-width-m", o.board_width_m, "M")->check(CLI::PositiveNumber);
   CLI::Option* height =
@@ -44,9 +40,6 @@ void declare(CLI::App& command, CalibrateLaserCameraOptions& o) {
   height->needs(width);
   add_limited(command, "--max-views", o.max_views, 6, 200);
   command.add_flag("--any-mount", o.any_mount);
-  add_value(command, "--import", o.import_path, "FILE");
-  add_checked(command, "--axes", o.import_axes, CLI::IsMember({"toolbox", "orchard"}));
-  add_checked(command, "--angles", o.import_angles, CLI::IsMember({"stated", "deg", "rad"}));
   command.add_flag("--quiet", o.quiet);
 }
 
@@ -56,20 +49,6 @@ void declare(CLI::App& command, CalibrateDelayOptions& o) {
   add_value(command, "--out", o.out_path, "FILE");
   command.add_flag("--laser", o.of_laser);
   command.add_flag("--quiet", o.quiet);
-}
-
-void declare(CLI::App& command, CalibrateProbabilityOptions& o) {
-  add_required(command, "logs", o.log_paths, "LOG...");
-  add_required(command, "--map", o.map_folders, "DIR...");
-  command.add_option("--ids", o.ids);
-  add_required(command, "--config", o.config_path, "FILE");
-  add_value(command, "--out", o.out_path, "FILE");
-  command.add_flag("--quiet", o.quiet);
-  command.parse_complete_callback([&o] {
-    if (!o.ids.empty() && o.map_folders.size() > 1) {
-      throw CLI::ValidationError("--ids", "ids of landmarks need a single --map");
-    }
-  });
 }
 
 void declare(CLI::App& command, CalibrateTrunksOptions& o) {
@@ -92,10 +71,7 @@ void declare(CLI::App& command, CalibrateTrunksOptions& o) {
       {"probability", DecisionChoice::kProbability}};
   add_value(command, "--decision", o.decision, "DECISION")
       ->transform(CLI::CheckedTransformer(decisions));
-  CLI::Option* list = add_value(command, "--list", o.list_folder, "DIR");
-  CLI::Option* trees = command.add_option("--trees", o.trees)->excludes(list);
-  CLI::Option* map =
-      add_value(command, "--map", o.map_folder, "DIR")->excludes(list)->excludes(trees);
+  CLI::Option* map = add_value(command, "--map", o.map_folder, "DIR");
   CLI::Option* ids = command.add_option("--ids", o.ids);
   ids->needs(map);
   map->needs(ids);
@@ -119,7 +95,6 @@ void add_calibrate(CLI::App& app, Run& run) {
   CLI::App& calibrate = add_group(app, "calibrate");
   add_command(calibrate, run, "camera", run_calibrate_camera, declare);
   add_command(calibrate, run, "trunks", run_calibrate_trunks, declare);
-  add_command(calibrate, run, "probability", run_calibrate_probability, declare);
   add_command(calibrate, run, "laser-camera", run_calibrate_laser_camera, declare);
   add_command(calibrate, run, "delay", run_calibrate_delay, declare);
 }

@@ -16,7 +16,6 @@
 
 #include "bus/process/process.hpp"
 #include "calibration/board/board.hpp"
-#include "calibration/extrinsics/extrinsics_import.hpp"
 #include "calibration/extrinsics/laser_camera_calibration.hpp"
 #include "calibration/extrinsics/stationary_views.hpp"
 #include "cli/calibrate/calibration_run.hpp"
@@ -133,10 +132,9 @@ std::vector<calibration::StationaryView> read_views(const CalibrateLaserCameraOp
   }
   if (collector.pairs().empty()) {
     throw io::FileError(fmt::format(
-        "{}: the board was not found in any picture: no {} of {}x{} {} in {} pictures; show the "
-        "whole board in good light, and check --columns and --rows",
-        log, options.board_kind, options.board.columns, options.board.rows,
-        options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
+        "{}: the board was not found in any picture: no chessboard of {}x{} inner corners "
+        "in {} pictures; show the whole board in good light, and check --columns and --rows",
+        log, options.board.columns, options.board.rows, collector.num_pairs()));
   }
   const double shift_max_px = kStillShift * config.camera.intrinsics.width_px;
   auto views = calibration::stationary_views(collector.pairs(), shift_max_px);
@@ -222,34 +220,6 @@ void write(const CalibrateLaserCameraOptions& options,
             "orchard calibrate laser-camera", note, options.quiet);
 }
 
-int import_file(const CalibrateLaserCameraOptions& options) {
-  std::ifstream file(options.import_path, std::ios::binary);
-  if (!file)
-    throw io::FileError(options.import_path +
-                        ": cannot be read; give the printed result of the toolbox as a text file");
-  std::ostringstream content;
-  content << file.rdbuf();
-  const auto axes = options.import_axes == "orchard" ? calibration::LaserAxes::kOrchard
-                                                     : calibration::LaserAxes::kToolbox;
-  const auto unit = options.import_angles == "deg"   ? calibration::AngleUnit::kDegrees
-                    : options.import_angles == "rad" ? calibration::AngleUnit::kRadians
-                                                     : calibration::AngleUnit::kAsStated;
-  geometry::LaserCameraExtrinsics extrinsics;
-  try {
-    extrinsics = calibration::import_extrinsics(content.str(), axes, unit);
-  } catch (const std::runtime_error& error) {
-    throw io::FileError(options.import_path + " " + error.what());
-  }
-  if (!options.quiet) {
-    std::printf("delta_m %s\nphi_rad %s\n", fixed_list(extrinsics.delta_m, 5).c_str(),
-                fixed_list(extrinsics.phi_rad, 5).c_str());
-  }
-  write(options, extrinsics,
-        "imported from " + std::filesystem::path(options.import_path).filename().string() +
-            ", axes " + options.import_axes);
-  return bus::kExitOk;
-}
-
 }  // namespace
 
 int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
@@ -258,13 +228,7 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
     throw io::FileError(options.config_path +
                         ": camera.enabled is false; set it to true to calibrate a camera");
   }
-  if (!options.import_path.empty()) return import_file(options);
-  if (options.log_path.empty()) {
-    throw io::FileError("no input: give a log, or --import FILE");
-  }
-  CalibrateLaserCameraOptions o = options;
-  o.board.kind = o.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
-                                           : calibration::BoardConfig::kChessboard;
+  const CalibrateLaserCameraOptions& o = options;
   if (const auto problem = calibration::problem_with(o.board)) throw io::FileError(*problem);
 
   // The outer size, measured or guessed; a guess only rules out objects that cannot be the board.

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -24,11 +22,9 @@
 #include "cli/evaluate/detection_log.hpp"
 #include "cli/pair_node.hpp"
 #include "geometry/pose2.hpp"
-#include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
-#include "io/folder.hpp"
 #include "io/map/map_csv.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/pose_estimate.hpp"
@@ -44,13 +40,12 @@ constexpr int kMinBeams = 4;
 /// Collects all objects of a log's scan-image pairs for calibration.
 class TrunkCollector : public PairNode {
  public:
-  TrunkCollector(const io::Config& config, int log, bool crops = false)
+  TrunkCollector(const io::Config& config, int log)
       : PairNode(inputs_of(config), {config.detector.pairing_tolerance_s,
                                      config.detector.image_wait_s, false, config.camera.delay_s}),
         rig_(config.laser, config.camera, config.detector),
         path_(config.mapper.pose_gap_max_s),
-        log_(log),
-        crops_(crops) {}
+        log_(log) {}
 
   void handle(const bus::Message& input, const bus::Outbox& send) override {
     if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) path_.add(*pose);
@@ -83,10 +78,7 @@ class TrunkCollector : public PairNode {
   }
   void observe(detection::ScanImagePair pair) override {
     if (pair.image || !rig_.has_camera) ++num_pairs_;
-    calibration::ObserveOptions options;
-    options.min_beams = kMinBeams;
-    options.crops = crops_;
-    for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, options)) {
+    for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, kMinBeams)) {
       seen.log = log_;
       in_base_.push_back(std::move(seen));
     }
@@ -95,7 +87,6 @@ class TrunkCollector : public PairNode {
   detection::Rig rig_;
   mapping::PoseTrack path_;  ///< T_map_base
   int log_;
-  bool crops_;
   int num_pairs_ = 0;
   std::vector<calibration::TrunkObservation> in_base_;
 };
@@ -118,7 +109,7 @@ std::vector<calibration::ProbabilitySample> samples_of(const TrunkDrives& drives
     const auto found =
         calibration::landmark_samples(detect_log(drives.log_paths[i], config, !quiet),
                                       drives.paths[i], outcomes, config.mapper, log);
-    samples.insert(samples.end(), found.samples.begin(), found.samples.end());
+    samples.insert(samples.end(), found.begin(), found.end());
   }
   return samples;
 }
@@ -164,80 +155,6 @@ std::vector<io::ConfigValue> learn_decision(const TrunkDrives& drives,
   }
 }
 
-constexpr int kPictureHeight_px = 160;
-
-/// The nearest observation that has a picture, or none.
-const calibration::TrunkObservation* best_observation(
-    const calibration::ObservedObject& object,
-    const std::vector<calibration::TrunkObservation>& observations) {
-  const calibration::TrunkObservation* best = nullptr;
-  for (const std::size_t i : object.observations) {
-    if (observations[i].crop.area.empty()) continue;
-    if (!best || observations[i].range_m < best->range_m) best = &observations[i];
-  }
-  return best;
-}
-
-void write_picture(const std::string& path, const vision::PixelBlock& crop) {
-  const cv::Mat pixels(crop.area.height_px, crop.area.width_px, CV_8UC3,
-                       const_cast<std::uint8_t*>(crop.bgr.data()));
-  cv::Mat large;
-  const double scale = static_cast<double>(kPictureHeight_px) / crop.area.height_px;
-  cv::resize(pixels, large, {}, scale, scale, cv::INTER_NEAREST);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", large, png);
-  io::write_file_atomically(path, std::string(png.begin(), png.end()));
-}
-
-/// Formats an object; `format` has placeholders for its properties in this order.
-std::string row(const char* format, int number, const calibration::ObservedObject& t) {
-  return fmt::format(fmt::runtime(format), number, calibration::class_name(t), t.log + 1, t.x_m,
-                     t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
-}
-
-/// Writes a page for selecting trunks: `index.html` with one picture per object (its nearest
-/// observation), its number, position, width, hue and number of observations; `things.csv` with the
-/// same data; and the pictures. `observations` are those of the model. Throws io::FileError when
-/// the folder cannot be written.
-void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
-                      const std::vector<calibration::TrunkObservation>& observations) {
-  io::make_folder(folder, "choose another folder with --list");
-  std::string csv = "number,taken_for,log,x_m,y_m,looks,width_mm,hue_deg\n";
-  std::string html =
-      "<!doctype html>\n"
-      "<meta charset=\"utf-8\">\n"
-      "<title>Objects found</title>\n"
-      "<style>body{font-family:sans-serif}table{border-collapse:collapse}td,th{border:1px solid "
-      "#ccc;padding:4px 10px;text-align:right}tr.trunk{background:#e4f4e0}</style>\n"
-      "<h1>Objects found</h1>\n"
-      "<p>Choose the trunks by their numbers: <code>--trees 3,7,9-20</code>. Green rows were "
-      "classified as trunks.</p>\n"
-      "<table>\n"
-      "<tr><th>number</th><th>class</th><th>log</th><th>x (m)</th><th>y "
-      "(m)</th><th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
-      "observation</th></tr>\n";
-  int number = 0;
-  for (const calibration::ObservedObject& object : model.objects) {
-    ++number;
-    csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, object);
-    html += object.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
-    html +=
-        row("<td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>"
-            "<td>{:.0f}</td><td>{:.0f}</td>",
-            number, object);
-    if (const auto* best = best_observation(object, observations)) {
-      const std::string name = "thing_" + std::to_string(number) + ".png";
-      write_picture(folder + "/" + name, best->crop);
-      html += "<td><img src=\"" + name + "\" alt=\"object " + std::to_string(number) + "\"></td>";
-    } else {
-      html += "<td></td>";
-    }
-    html += "</tr>\n";
-  }
-  io::write_file_atomically(folder + "/things.csv", csv);
-  io::write_file_atomically(folder + "/index.html", html + "</table>\n");
-}
-
 TrunkDrives observe_logs(const CalibrateTrunksOptions& options, const io::Config& config) {
   TrunkDrives drives;
   drives.log_paths = options.log_paths;
@@ -245,7 +162,7 @@ TrunkDrives observe_logs(const CalibrateTrunksOptions& options, const io::Config
   int num_pairs = 0;
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
-    TrunkCollector collector(config, static_cast<int>(i), !options.list_folder.empty());
+    TrunkCollector collector(config, static_cast<int>(i));
     replay_log("orchard calibrate", options.log_paths[i], {&pose, &collector}, options.quiet, said);
     const auto seen = collector.observations();
     drives.observations.insert(drives.observations.end(), seen.begin(), seen.end());
@@ -333,7 +250,6 @@ calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
   calibration::TrunkModelOptions rules;
   rules.wanted_trunks = options.wanted_trunks;
   rules.gate_m = config.mapper.gate_m;
-  if (!options.trees.empty()) rules.picked = parse_number_list(options.trees, "--trees");
   if (!options.ids.empty()) rules.picked_trunks = places_of(options);
   return rules;
 }
@@ -397,13 +313,6 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
                ? by_width
                : calibration::select_trunks(observations, by_width, rules);
   });
-  if (!options.list_folder.empty()) {
-    write_trunk_list(options.list_folder, model, observations);
-    std::printf(
-        "%zu objects written to %s/index.html and things.csv; the configuration was not changed\n",
-        model.objects.size(), options.list_folder.c_str());
-    return bus::kExitOk;
-  }
   if (!options.quiet) {
     print_table(model);
     print_width_by_range(model.width_by_range);
@@ -416,7 +325,6 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   std::string note = std::to_string(model.num_trunks) + " trunks, " +
                      std::to_string(model.num_observations) + " observations in " +
                      logs_text(options.log_paths);
-  if (!options.trees.empty()) note += ", picked by number";
   if (!options.ids.empty()) note += ", picked by id";
   std::vector<io::ConfigValue> values = values_of(model);
   if (model.spot && model.spot->significant()) {

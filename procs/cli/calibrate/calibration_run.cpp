@@ -14,7 +14,6 @@
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "calibration/trunks/probability_learner.hpp"
-#include "evaluation/reliability.hpp"
 #include "io/atomic_file.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -34,11 +33,11 @@ int number_of(const std::string& text) {
   return result.ec == std::errc() && result.ptr == end && !text.empty() ? number : -1;
 }
 
-}  // namespace
-
-std::vector<int> parse_number_list(const std::string& text, const std::string& what) {
+/// Parses a list of ids such as "3,7,9-20" to unique numbers in ascending order. Throws
+/// io::FileError for anything else, and for more than 10000 numbers.
+std::vector<int> parse_ids(const std::string& text) {
   const auto refuse = [&](const std::string& part) {
-    throw io::FileError(what + " " + text + ": \"" + part +
+    throw io::FileError("--ids " + text + ": \"" + part +
                         "\" is neither a number nor a range such as 9-20");
   };
   std::set<int> numbers;
@@ -56,10 +55,12 @@ std::vector<int> parse_number_list(const std::string& text, const std::string& w
   return {numbers.begin(), numbers.end()};
 }
 
+}  // namespace
+
 std::vector<int> picked_ids(const std::string& text,
                             const std::vector<mapping::Landmark>& landmarks,
                             const std::string& map_path) {
-  std::vector<int> ids = parse_number_list(text, "--ids");
+  std::vector<int> ids = parse_ids(text);
   std::string missing;
   for (const int id : ids) {
     const bool is_there = std::any_of(landmarks.begin(), landmarks.end(),
@@ -97,81 +98,6 @@ std::vector<io::ConfigValue> probability_values(const calibration::ProbabilityFi
           {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}};
 }
 
-namespace {
-
-using calibration::Outcome;
-using calibration::ProbabilityFit;
-using calibration::ProbabilitySample;
-
-constexpr const char* kFeatureNames[] = {"1",
-                                         "width z",
-                                         "width z^2 / 5",
-                                         "range (m)",
-                                         "log(beams / 10)",
-                                         "hidden sides",
-                                         "colour log odds",
-                                         "colour is 0",
-                                         "roc_edges",
-                                         "roc_edges is 0"};
-
-/// How the calibration error was measured.
-const char* validation_text(const ProbabilityFit& fit) {
-  switch (fit.left_out) {
-    case calibration::LeftOut::kRecordings:
-      return "cross-validated over recordings";
-    case calibration::LeftOut::kObjects:
-      return "cross-validated over the objects of one recording";
-    case calibration::LeftOut::kNothing:
-      break;
-  }
-  return "on the training data, which has only one tree";
-}
-
-void print_weights(const char* title, const calibration::FittedWeights& tree,
-                   const calibration::FittedWeights& object) {
-  std::printf("%-18s %9s %7s   %9s %7s\n", title, "tree", "se", "object", "se");
-  for (std::size_t i = 0; i < tree.values.size(); ++i) {
-    std::printf("  %-16s %9.3f %7.3f   %9.3f %7.3f\n", kFeatureNames[i], tree.values[i],
-                tree.standard_errors[i], object.values[i], object.standard_errors[i]);
-  }
-}
-
-double left_out_error(const std::vector<ProbabilitySample>& samples, const ProbabilityFit& fit) {
-  std::vector<evaluation::Forecast> forecasts;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (fit.left_out_tree[i] < 0.0) continue;
-    forecasts.push_back(
-        {std::min(1.0, fit.left_out_tree[i]), samples[i].outcome == Outcome::kTree});
-  }
-  return evaluation::reliability(forecasts).expected_calibration_error;
-}
-
-void print_fit(const ProbabilityFit& fit, double error) {
-  print_weights("judged by camera", fit.judged_tree, fit.judged_object);
-  print_weights("laser only", fit.laser_tree, fit.laser_object);
-  std::printf(
-      "%d observations judged by the camera, %d by the laser only, of %d objects in %d recordings\n"
-      "%s: expected calibration error %.4f, log loss %.4f\n"
-      "landmarks: fraction of trees %.3f, fraction of trees among observations %.3f, correlation "
-      "of observations %.3f\n",
-      fit.num_judged, fit.num_laser, fit.num_objects, fit.num_recordings, validation_text(fit),
-      error, fit.log_loss, fit.prior, fit.base_rate, fit.correlation);
-}
-
-/// The keys that a person still has to set before the probabilities judge.
-std::string to_set(const io::Config& config) {
-  std::string keys;
-  if (config.detector.decision != detection::Decision::kProbability) {
-    keys = "detector.decision: probability";
-  }
-  if (config.mapper.evidence != mapping::Evidence::kProbability) {
-    keys += (keys.empty() ? "" : " and ") + std::string("mapper.evidence: probability");
-  }
-  return keys.empty() ? "" : "; to judge by these probabilities, set " + keys + " there";
-}
-
-}  // namespace
-
 void replay_log(const char* command, const std::string& path, const std::vector<bus::Node*>& nodes,
                 bool quiet, std::set<std::string>& said) {
   io::ProgressBar bar("reading logs", !quiet);
@@ -200,24 +126,6 @@ void write_rig(const std::string& config_path, const std::string& out_path,
       line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   io::edit_config_file(config_path, out, values, command, line);
   if (!quiet) std::printf("written to %s%s\n", out.c_str(), more.c_str());
-}
-
-int write_probability(const CalibrateProbabilityOptions& options, const io::Config& config,
-                      const std::vector<ProbabilitySample>& samples) {
-  calibration::ProbabilityLearnOptions rules;
-  rules.width_mean_m = config.detector.width.mean_m;
-  const ProbabilityFit fit = naming(options.log_paths.front(),
-                                    [&] { return calibration::learn_probability(samples, rules); });
-  const double error = left_out_error(samples, fit);
-  if (!options.quiet) print_fit(fit, error);
-
-  const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " observations in " +
-                           std::to_string(fit.num_recordings) + " recordings, from " +
-                           logs_text(options.log_paths) + "; calibration error " +
-                           fixed_text(error, 4) + " (" + validation_text(fit) + ")";
-  write_rig(options.config_path, options.out_path, probability_values(fit),
-            "orchard calibrate probability", note, options.quiet, to_set(config));
-  return bus::kExitOk;
 }
 
 }  // namespace orchard::cli

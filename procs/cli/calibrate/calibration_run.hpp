@@ -56,10 +56,6 @@ void write_rig(const std::string& config_path, const std::string& out_path,
                const std::vector<io::ConfigValue>& values, const char* command,
                const std::string& note, bool quiet, const std::string& more = {});
 
-/// Parses a list of numbers such as "3,7,9-20" to unique numbers in ascending order; `what` names
-/// the option in messages. Throws io::FileError for anything else, and for more than 10000 numbers.
-std::vector<int> parse_number_list(const std::string& text, const std::string& what);
-
 /// Parses the --ids of landmarks of a map, such as "4,8,10-12", in ascending order; `map_path` is
 /// named in messages. Throws io::FileError for anything else, and naming all ids that the map has
 /// not.
@@ -75,10 +71,5 @@ std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& c
 /// The YAML values of learnt probabilities: detector.probability, and what mapper.evidence:
 /// probability needs.
 std::vector<io::ConfigValue> probability_values(const calibration::ProbabilityFit& fit);
-
-/// Fits the probabilities to samples, prints the fit and writes it into the rig of the options;
-/// returns the exit code. Throws io::FileError, and then writes nothing.
-int write_probability(const CalibrateProbabilityOptions& options, const io::Config& config,
-                      const std::vector<calibration::ProbabilitySample>& samples);
 
 }  // namespace orchard::cli

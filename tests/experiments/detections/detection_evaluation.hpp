@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluation/map_evaluation.hpp"
-#include "evaluation/reliability.hpp"
+#include "experiments/detections/reliability.hpp"
 #include "worlds/observation_pair.hpp"
 
 namespace orchard::evaluation {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // learn_probability LOG... --observations CSV... --config IN --out OUT: calibrates the
 // probabilities of tree and object from simulated drives with their true observations, as `orchard
-// calibrate probability` does from maps.
+// calibrate trunks` does from the trunks that it finds.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bus/process/process.hpp"
 #include "cli/calibrate/calibration_run.hpp"
 #include "cli/evaluate/detection_log.hpp"
+#include "experiments/detections/reliability.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "worlds/observation_csv.hpp"
@@ -43,29 +45,49 @@ void add_samples(const std::string& log_path, const std::string& observation_pat
   }
 }
 
-int learn(const cli::CalibrateProbabilityOptions& options,
-          const std::vector<std::string>& observation_paths) {
+struct Options {
+  std::vector<std::string> log_paths, observation_paths;
+  std::string config_path, out_path;
+  bool quiet = false;
+};
+
+int learn(const Options& options) {
   const io::Config config = io::load_config(options.config_path);
-  if (observation_paths.size() != options.log_paths.size()) {
+  if (options.observation_paths.size() != options.log_paths.size()) {
     throw io::FileError("give one --observations per log, in order");
   }
   std::vector<ProbabilitySample> samples;
-  for (std::size_t i = 0; i < observation_paths.size(); ++i) {
-    add_samples(options.log_paths[i], observation_paths[i], static_cast<int>(i), config,
+  for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
+    add_samples(options.log_paths[i], options.observation_paths[i], static_cast<int>(i), config,
                 options.quiet, samples);
   }
-  return cli::write_probability(options, config, samples);
+  calibration::ProbabilityLearnOptions rules;
+  rules.width_mean_m = config.detector.width.mean_m;
+  const auto fit = calibration::learn_probability(samples, rules);
+  std::vector<evaluation::Forecast> forecasts;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.left_out_tree[i] < 0.0) continue;
+    forecasts.push_back(
+        {std::min(1.0, fit.left_out_tree[i]), samples[i].outcome == Outcome::kTree});
+  }
+  const double error = evaluation::reliability(forecasts).expected_calibration_error;
+  cli::write_rig(
+      options.config_path, options.out_path, cli::probability_values(fit), "learn_probability",
+      std::to_string(samples.size()) + " observations in " + std::to_string(fit.num_recordings) +
+          " recordings, from " + cli::logs_text(options.log_paths) + "; calibration error " +
+          fixed_text(error, 4),
+      options.quiet);
+  return bus::kExitOk;
 }
 
 }  // namespace
 }  // namespace orchard
 
 int main(int argc, char** argv) {
-  orchard::cli::CalibrateProbabilityOptions o;
-  std::vector<std::string> observation_paths;
+  orchard::Options o;
   CLI::App app{"Calibrates probabilities from simulated drives.", "learn_probability"};
   app.add_option("logs", o.log_paths, "logs of drives, or their derived logs")->required();
-  app.add_option("--observations", observation_paths,
+  app.add_option("--observations", o.observation_paths,
                  "true observations (true_observations), one file per log")
       ->required();
   app.add_option("--config", o.config_path, "rig of the recordings")->required();
@@ -73,7 +95,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", o.quiet, "print only warnings and errors");
   CLI11_PARSE(app, argc, argv);
   try {
-    return orchard::learn(o, observation_paths);
+    return orchard::learn(o);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "learn_probability: %s\n", error.what());
     return orchard::bus::kExitInput;

@@ -104,8 +104,7 @@ class CalibrateCamera : public CalibrationTest {
 TEST_F(CalibrateCamera, FindsTheLensThatTookThePictures) {
   write_board_pictures();
   write_picture(folder_ / "board/99.png", pictures().nothing);
-  const std::string arguments =
-      path("board") + " --config " + rig_.string() + " --coverage " + path("seen.png");
+  const std::string arguments = path("board") + " --config " + rig_.string();
   const Outcome outcome = calibrate(arguments + " --out " + path("out.yaml"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_lens(path("out.yaml"));
@@ -114,7 +113,6 @@ TEST_F(CalibrateCamera, FindsTheLensThatTookThePictures) {
   EXPECT_THAT(outcome.output, HasSubstr("no board found in 1 of"));
   EXPECT_THAT(outcome.output, HasSubstr("99.png"));
   EXPECT_THAT(text_of(path("out.yaml")), HasSubstr("# orchard calibrate camera: "));
-  EXPECT_GT(fs::file_size(path("seen.png")), 5000u);
 
   // the same pictures give the same bytes; in place the old file is kept
   ASSERT_EQ(calibrate(arguments).exit_code, 0);
@@ -193,7 +191,6 @@ TEST_F(CalibrateCamera, ABoardThatCannotBeIsOneSentence) {
   write_board_pictures(1);
   expect_refusal(path("board") + " --columns 1", "1 x 6");
   expect_refusal(path("board") + " --square-m 30", "in metres");
-  expect_refusal(path("board") + " --board charuco --dictionary 9x9_9", "9x9_9");
   expect_refusal("", "no input: give pictures");
 }
 
@@ -236,12 +233,12 @@ class CalibrateLaserCamera : public CalibrationTest {
     text.replace(at, from.size(), to);
   }
   /// A log of the true rig; `from` -> `to` changes it.
-  std::string simulate(const std::string& board_keys, int num_poses = 12,
-                       const std::string& from = {}, const std::string& to = {}) const {
+  std::string simulate(int num_poses, const std::string& from = {},
+                       const std::string& to = {}) const {
     std::string rig = true_rig_;
     replace(rig, "\nsimulation:\n",
             "\nsimulation:\n  board:\n    num_poses: " + std::to_string(num_poses) +
-                "\n    hold_s: 0.25\n    move_s: 0.05\n" + board_keys);
+                "\n    hold_s: 0.25\n    move_s: 0.05\n");
     if (!from.empty()) replace(rig, from, to);
     std::ofstream(path("true.yaml")) << rig;
     const Outcome outcome = run("simulate --scene board --seed 5 --config " + path("true.yaml") +
@@ -265,7 +262,7 @@ class CalibrateLaserCamera : public CalibrationTest {
 };
 
 TEST_F(CalibrateLaserCamera, FindsTheMountFromPixelsAndScansTheSameEveryTime) {
-  const std::string log = simulate("", 16);
+  const std::string log = simulate(16);
   const Outcome outcome = calibrate(log);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   const auto camera = io::load_config(path("out.yaml")).camera;
@@ -281,38 +278,22 @@ TEST_F(CalibrateLaserCamera, FindsTheMountFromPixelsAndScansTheSameEveryTime) {
   EXPECT_EQ(text_of(path("out.yaml")), first);
 }
 
-TEST_F(CalibrateLaserCamera, ABoardSeenByTheLaserOnlyIsRefused) {
-  expect_refused(calibrate(simulate("    seen_by: laser_only\n", 6)), "the board was not found");
+TEST_F(CalibrateLaserCamera, AnotherBoardThanTheOneInThePicturesIsNotFound) {
+  expect_refused(run("calibrate laser-camera " + simulate(6) + " --config " + path("rig.yaml") +
+                     " --columns 8 --rows 5 --square-m 0.08 --out " + path("out.yaml")),
+                 "the board was not found");
 }
 
-TEST_F(CalibrateLaserCamera, ABoardSeenByTheCameraOnlyIsRefused) {
-  const Outcome outcome = calibrate(simulate("    seen_by: camera_only\n", 8));
-  expect_refused(outcome, "scanner");
-}
-
-TEST_F(CalibrateLaserCamera, PicturesMirroredLeftToRightAreRefusedUnlessTheMountIsSaidToBeSo) {
-  const std::string log = simulate("    flip: left_right\n");
-  expect_refused(calibrate(log), "mirrored left to right");
-  EXPECT_EQ(calibrate(log, "--any-mount").exit_code, 0);
-}
-
-TEST_F(CalibrateLaserCamera, PicturesMirroredTopToBottomAreRefused) {
-  expect_refused(calibrate(simulate("    flip: top_bottom\n")), "mirrored top to bottom");
-}
-
-TEST_F(CalibrateLaserCamera, ACameraMountedOnItsSideIsRefused) {
+TEST_F(CalibrateLaserCamera, ACameraMountedOnItsSideIsRefusedUnlessItIsSaidToBeSo) {
   const auto camera = io::load_config(path("rig.yaml")).camera;
   const geometry::LaserToCamera straight(camera.extrinsics);
   const Eigen::AngleAxisd roll(0.5 * geometry::kPi, Eigen::Vector3d::UnitZ());
   const auto phi = geometry::paper_angles_rad(roll.toRotationMatrix() * straight.rotation());
   std::ostringstream phi_rad;
   phi_rad << "phi_rad: [" << phi[0] << ", " << phi[1] << ", " << phi[2] << "]";
-  expect_refused(calibrate(simulate("", 12, "phi_rad: [1.5788, 0.0065, 1.5628]", phi_rad.str())),
-                 "the camera is rotated by 9");
-}
-
-TEST_F(CalibrateLaserCamera, DegenerateMotionIsNamed) {
-  expect_refused(calibrate(simulate("    handling: turned_only\n", 10)), "about one axis only");
+  const std::string log = simulate(12, "phi_rad: [1.5788, 0.0065, 1.5628]", phi_rad.str());
+  expect_refused(calibrate(log), "the camera is rotated by 9");
+  EXPECT_EQ(calibrate(log, "--any-mount").exit_code, 0);
 }
 
 TEST_F(CalibrateLaserCamera, AnEmptyLogIsRefused) {
@@ -351,14 +332,6 @@ TEST_F(OtherPictures, OfDifferentSizesAreRefused) {
 
 TEST_F(OtherPictures, OfAnotherCameraAreRefused) {
   expect_refused(calibrate(log_of({640, 640})), "give the configuration of this camera");
-}
-
-TEST_F(CalibrateLaserCamera, ImportsTheToolbox) {
-  std::ofstream(path("toolbox.txt")) << "Delta = [0.01 -0.05 0.02] m\nPhi = [0.5 -1 -179] deg\n";
-  const Outcome outcome = run("calibrate laser-camera --import " + path("toolbox.txt") +
-                              " --config " + path("rig.yaml") + " --out " + path("out.yaml"));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NEAR(io::load_config(path("out.yaml")).camera.extrinsics.delta_m[1], -0.05, 1e-9);
 }
 
 }  // namespace

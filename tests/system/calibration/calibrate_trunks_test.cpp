@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `orchard calibrate trunks`, from drives and from pictures, and `orchard calibrate probability`.
+// `orchard calibrate trunks`, from drives and from pictures.
 #include <gmock/gmock.h>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,9 +9,6 @@
 #include <string>
 
 #include "io/config/config.hpp"
-#include "io/config/config_edit.hpp"
-#include "io/map/map_csv.hpp"
-#include "io/recording/truth_csv.hpp"
 #include "system/calibration/calibration_fixture.hpp"
 
 namespace orchard {
@@ -20,7 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class CalibrateCommand : public CalibrationTest {
  protected:
@@ -97,35 +92,6 @@ TEST_F(CalibrateCommand, BadInputIsOneSentenceAndExitCode3) {
     EXPECT_THAT(outcome.output, HasSubstr(name));
     EXPECT_FALSE(fs::exists(path("out.yaml")));
   }
-}
-
-TEST_F(CalibrateCommand, ListsWhatItSawAndLearnsFromThosePicked) {
-  const std::string log = simulate(1004);
-  const std::string before = text_of(rig_);
-  const Outcome listed =
-      run("calibrate trunks " + log + " --config " + rig_.string() + " --list " + path("things"));
-  ASSERT_EQ(listed.exit_code, 0) << listed.output;
-  EXPECT_EQ(text_of(rig_), before);
-  EXPECT_FALSE(fs::exists(rig_.string() + ".bak"));
-  EXPECT_GT(fs::file_size(path("things/thing_1.png")), 100u);
-  EXPECT_THAT(text_of(path("things/index.html")), HasSubstr("thing_1.png"));
-  std::istringstream csv(text_of(path("things/things.csv")));
-  std::string trees, line;
-  int num_picked = 0;
-  for (std::getline(csv, line); std::getline(csv, line);) {
-    if (line.find(",trunk,") == std::string::npos || num_picked == 6) continue;
-    trees += (trees.empty() ? "" : ",") + line.substr(0, line.find(','));
-    ++num_picked;
-  }
-  ASSERT_EQ(num_picked, 6);
-  const Outcome picked = run("calibrate trunks " + log + " --config " + rig_.string() + " --out " +
-                             path("picked.yaml") + " --colour-model hue_interval --trees " + trees);
-  ASSERT_EQ(picked.exit_code, 0) << picked.output;
-  EXPECT_THAT(text_of(path("picked.yaml")), HasSubstr("6 trunks"));
-  EXPECT_THAT(text_of(path("picked.yaml")), HasSubstr("picked by number"));
-  const auto config = io::load_config(path("picked.yaml"));
-  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.004);
-  EXPECT_EQ(config.detector.colour_model, detection::ColourModel::kHueInterval);
 }
 
 TEST_F(CalibrateCommand, LearnsAppearanceAndTrunksOfAFirstMap) {
@@ -298,62 +264,21 @@ TEST_F(PictureCommands, CherryTrunksAreToldFromWhatSurroundsThem) {
   EXPECT_LT(json["auc_hue_interval_paper"], 0.6);
 }
 
-/// Two short drives through the hard orchard with their truth, to learn and to judge by, and the
-/// map of the first: made once, and a copy for each test.
-class CalibrateProbability : public CalibrationTest {
+/// Two short drives through the hard orchard, to learn and to judge by.
+class LearnDecision : public CalibrationTest {
  protected:
-  static void SetUpTestSuite() {
-    fs::create_directories(drives());
+  void SetUp() override {
+    CalibrationTest::SetUp();
     simulate("learn", 41);
     simulate("judge", 42);
-    const std::string learn = (drives() / "learn").string();
-    ASSERT_EQ(run("map " + learn + ".lcm --config " + kRig + " --quiet --out " + learn).exit_code,
-              0);
   }
-  static void TearDownTestSuite() { fs::remove_all(drives()); }
-  void SetUp() override { fs::copy(drives(), folder_, fs::copy_options::recursive); }
-
-  static fs::path drives() {
-    return fs::temp_directory_path() / ("orchard_drives_" + std::to_string(getpid()));
-  }
-  static void simulate(const std::string& name, int seed) {
-    const std::string base = (drives() / name).string();
+  void simulate(const std::string& name, int seed) const {
     const std::string drive = " --scene orchard --duration 20 --seed " + std::to_string(seed) +
-                              " --config " + kRig + " --out " + base;
-    const Outcome outcome = run("simulate" + drive + ".lcm --truth " + base + ".truth.csv");
+                              " --config " + kRig + " --out " + path(name);
+    const Outcome outcome = run("simulate" + drive + ".lcm --truth " + path(name) + ".truth.csv");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
     const Outcome looks = run(drive + ".looks.csv", true, "experiments/true_observations");
     ASSERT_EQ(looks.exit_code, 0) << looks.output;
-  }
-  std::string rig() const { return " --config " + rig_; }
-  /// Learns from `source` into out.yaml.
-  Outcome learn(const std::string& source, const std::string& out = "out.yaml") const {
-    return run("calibrate probability " + path("learn.lcm") + rig() + " --out " + path(out) +
-               source);
-  }
-  void expect_refused(const std::string& source, const std::string& why) const {
-    const Outcome outcome = learn(source);
-    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
-    EXPECT_THAT(outcome.output, HasSubstr(why));
-    EXPECT_FALSE(fs::exists(path("out.yaml")));
-  }
-  /// Ids of the landmarks that are the nearest of a true tree: what a person would pick.
-  std::string picked() const {
-    const auto landmarks = io::read_map_csv(path("learn/map.csv"));
-    std::string ids;
-    for (const simulation::TruthObject& object : io::read_truth_csv(path("learn.truth.csv"))) {
-      if (object.label != detection::Label::kTree) continue;
-      double nearest_m = 0.3;
-      int id = 0;
-      for (const auto& l : landmarks) {
-        const double away_m = std::hypot(l.x_m - object.x_m, l.y_m - object.y_m);
-        if (away_m >= nearest_m) continue;
-        nearest_m = away_m;
-        id = l.id;
-      }
-      if (id > 0) ids += (ids.empty() ? "" : ",") + std::to_string(id);
-    }
-    return ids;
   }
   double judged_f1(const std::string& rig_yaml) const {
     const std::string map = path(rig_yaml + ".map");
@@ -369,54 +294,12 @@ class CalibrateProbability : public CalibrationTest {
   }
 
   static constexpr const char* kRig = ORCHARD_SOURCE_DIR "/config/orchard_hard.yaml";
-  std::string rig_ = kRig;
 };
-
-TEST_F(CalibrateProbability, AMapWithPickedTreesTeachesWhatTheTruthTeaches) {
-  // With the appearance model, every tree near enough is found, however the weights are learnt.
-  io::edit_config_file(rig_, path("rig.yaml"), {{"detector.colour_model", "hue_interval"}}, "", "");
-  rig_ = path("rig.yaml");
-  const Outcome of_truth = run(path("learn.lcm") + rig() + " --out " + path("truth.yaml") +
-                                   " --observations " + path("learn.looks.csv"),
-                               true, "experiments/learn_probability");
-  ASSERT_EQ(of_truth.exit_code, 0) << of_truth.output;
-  const Outcome of_map = learn(" --map " + path("learn") + " --ids " + picked(), "map.yaml");
-  ASSERT_EQ(of_map.exit_code, 0) << of_map.output;
-  EXPECT_THAT(of_map.output, Not(HasSubstr("warning")));
-  EXPECT_THAT(of_map.output, HasSubstr("objects of one recording"));
-  const double f1_of_truth = judged_f1("truth.yaml"), f1_of_map = judged_f1("map.yaml");
-  RecordProperty("f1_of_truth", std::to_string(f1_of_truth));
-  RecordProperty("f1_of_map", std::to_string(f1_of_map));
-  EXPECT_GT(f1_of_truth, 0.85);
-  EXPECT_NEAR(f1_of_map, f1_of_truth, 0.03);
-}
-
-TEST_F(CalibrateProbability, WithoutIdsItLearnsTheCorrectedClasses) {
-  const Outcome unchecked = learn(" --map " + path("learn"), "unchecked.yaml");
-  ASSERT_EQ(unchecked.exit_code, 0) << unchecked.output;
-  EXPECT_THAT(unchecked.output, HasSubstr("nobody has corrected"));
-  int num_trees = 0;
-  std::string tree;
-  for (const auto& l : io::read_map_csv(path("learn/map.csv"))) {
-    if (l.label != detection::Label::kTree) continue;
-    ++num_trees;
-    tree = std::to_string(l.id);
-  }
-  EXPECT_THAT(unchecked.output, HasSubstr("of " + std::to_string(num_trees) + " trees"));
-  ASSERT_EQ(run("edit class " + path("learn") + " " + tree + " object").exit_code, 0);
-  const Outcome checked = learn(" --map " + path("learn"), "checked.yaml");
-  ASSERT_EQ(checked.exit_code, 0) << checked.output;
-  EXPECT_THAT(checked.output, Not(HasSubstr("nobody has corrected")));
-  EXPECT_THAT(checked.output, HasSubstr("of " + std::to_string(num_trees - 1) + " trees"));
-  ASSERT_EQ(run("edit undo " + path("learn")).exit_code, 0);
-  const Outcome undone = learn(" --map " + path("learn"), "undone.yaml");
-  EXPECT_THAT(undone.output, HasSubstr("nobody has corrected"));
-}
 
 // Nobody names a tree: `calibrate trunks` finds them, learns width and colour, and from its own
 // trunks how much either says.
-TEST_F(CalibrateProbability, TrunksFoundByThemselvesTeachTheDecision) {
-  const std::string learn = "calibrate trunks " + path("learn.lcm") + rig();
+TEST_F(LearnDecision, TrunksFoundByThemselvesTeachTheDecision) {
+  const std::string learn = "calibrate trunks " + path("learn.lcm") + " --config " + kRig;
   const Outcome of_paper = run(learn + " --decision roc --out " + path("roc.yaml"));
   ASSERT_EQ(of_paper.exit_code, 0) << of_paper.output;
   EXPECT_EQ(io::load_config(path("roc.yaml")).detector.decision, detection::Decision::kRoc);
@@ -430,34 +313,6 @@ TEST_F(CalibrateProbability, TrunksFoundByThemselvesTeachTheDecision) {
   RecordProperty("f1_of_paper", std::to_string(f1_of_paper));
   RecordProperty("f1_found", std::to_string(f1_found));
   EXPECT_GT(f1_found, f1_of_paper);
-}
-
-TEST_F(CalibrateProbability, BadInputIsOneSentence) {
-  const std::string map = " --map " + path("learn");
-  expect_refused(map + " --ids 4,777777,888888", "no landmark has id 777777, 888888");
-  expect_refused(map + " --ids 4,x", "neither a number");
-  expect_refused(" --map " + path("learn/map.csv"), "has no trajectory.csv");
-  expect_refused(map + " " + path("learn"), "there are 1 logs and 2 maps");
-  std::string all;
-  for (const auto& l : io::read_map_csv(path("learn/map.csv"))) {
-    all += (all.empty() ? "" : ",") + std::to_string(l.id);
-  }
-  expect_refused(map + " --ids " + all, "and 0 objects, but both are needed");
-  // The same map in a frame that is 1.3 m to the side, and one of another day.
-  const std::string csv = text_of(path("learn/map.csv")),
-                    track = text_of(path("learn/trajectory.csv"));
-  auto landmarks = io::read_map_csv(path("learn/map.csv"));
-  for (auto& l : landmarks) l.y_m += 1.3;
-  std::ofstream(path("learn/map.csv")) << io::map_csv(landmarks);
-  expect_refused(map, "are at a landmark of");
-  std::ofstream(path("learn/map.csv")) << csv;
-  std::ofstream(path("learn/trajectory.csv"))
-      << track.substr(0, track.find('\n') + 1) << "7000000,0.0,0.0,0.0\n8000000,0.0,0.0,0.0\n";
-  expect_refused(map, "has no pose at the time of any scan");
-  for (const std::string& source :
-       {std::string(), std::string(" --ids 4"), map + " " + path("learn") + " --ids 4"}) {
-    EXPECT_EQ(learn(source).exit_code, 2) << source;
-  }
 }
 
 }  // namespace

@@ -70,7 +70,6 @@ TEST(CommandLine, EveryCommandKnowsHelpAndVersion) {
                                                        {"calibrate", "camera"},
                                                        {"calibrate", "laser-camera"},
                                                        {"calibrate", "trunks"},
-                                                       {"calibrate", "probability"},
                                                        {"calibrate", "delay"}};
   for (const std::vector<std::string>& command : commands) {
     std::vector<std::string> help{"help"}, long_help(command), version(command);

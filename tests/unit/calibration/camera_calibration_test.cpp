@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <cmath>
 #include <cstring>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -82,39 +81,11 @@ TEST(Board, AChessboardsFrameStaysRightHandedHoweverItIsTurned) {
   }
 }
 
-TEST(Board, NumbersTheCornersOfACharucoBoardFromItsUpperLeft) {
-  BoardConfig board;
-  board.kind = BoardConfig::kCharuco;
-  board.columns = 7;
-  board.rows = 5;
-  board.square_m = 0.04;
-  board.marker_m = 0.03;
-  const auto layout = cv::aruco::CharucoBoard::create(
-      7, 5, 0.04f, 0.03f, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50));
-  cv::Mat grey;
-  layout->draw({7 * kSquare_px + 2 * kMargin_px, 5 * kSquare_px + 2 * kMargin_px}, grey,
-               kMargin_px);
-  const auto view = find_board(picture_of(grey), board);
-  ASSERT_TRUE(view);
-  EXPECT_EQ(view->corners_px.size(), 24u);
-  expect_straight_grid(*view, board);
-
-  // half of it hidden: the rest keeps its places
-  grey.colRange(0, grey.cols / 2) = cv::Scalar(255);
-  const auto half = find_board(picture_of(grey), board);
-  ASSERT_TRUE(half);
-  EXPECT_LT(half->corners_px.size(), 24u);
-  expect_straight_grid(*half, board);
-}
-
 TEST(Board, GivesNothingWhenThereIsNone) {
-  BoardConfig chess, charuco;
-  charuco.kind = BoardConfig::kCharuco;
+  const BoardConfig chess;
   cv::Mat empty(240, 320, CV_8UC1, cv::Scalar(128));
-  for (const BoardConfig& board : {chess, charuco}) {
-    EXPECT_FALSE(find_board(picture_of(empty), board));
-    EXPECT_FALSE(find_board(GreyPicture{}, board));
-  }
+  EXPECT_FALSE(find_board(picture_of(empty), chess));
+  EXPECT_FALSE(find_board(GreyPicture{}, chess));
   EXPECT_FALSE(find_board(picture_of(chessboard(5, 4)), chess)) << "another board";
   cv::Mat cut = chessboard(8, 6);
   EXPECT_FALSE(find_board(picture_of(cut.colRange(0, cut.cols - 150)), chess)) << "cut off";
@@ -126,19 +97,7 @@ TEST(Board, RefusesBoardsThatCannotBe) {
   for (const auto change : std::vector<void (*)(BoardConfig&)>{
            [](BoardConfig& b) { b.columns = 2; }, [](BoardConfig& b) { b.rows = 4000; },
            [](BoardConfig& b) { b.square_m = 0.0; }, [](BoardConfig& b) { b.square_m = 30.0; },
-           [](BoardConfig& b) { b.margin_m = -1.0; },
-           [](BoardConfig& b) {
-             b.kind = BoardConfig::kCharuco;
-             b.marker_m = b.square_m;
-           },
-           [](BoardConfig& b) {
-             b.kind = BoardConfig::kCharuco;
-             b.dictionary = "3x3_50";
-           },
-           [](BoardConfig& b) {
-             b.kind = BoardConfig::kCharuco;
-             b.columns = b.rows = 12;
-           }}) {
+           [](BoardConfig& b) { b.margin_m = -1.0; }}) {
     BoardConfig changed = board;
     change(changed);
     EXPECT_TRUE(problem_with(changed));
@@ -253,7 +212,7 @@ TEST(CameraCalibration, AViewThatDisagreesIsLeftOutAndNamed) {
   }
   EXPECT_GT(found.views[6].rms_px, 1.0);
   EXPECT_NEAR(found.intrinsics.fc_px[0], clean.intrinsics.fc_px[0], 1.0);
-  EXPECT_EQ(found.residuals.size(), static_cast<std::size_t>(found.num_corners));
+  EXPECT_EQ(found.corners_px.size(), static_cast<std::size_t>(found.num_corners));
 }
 
 TEST(CameraCalibration, TooFewViewsAreRefused) {

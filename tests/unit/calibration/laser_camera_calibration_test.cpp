@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "calibration/board/board_pose.hpp"
-#include "calibration/extrinsics/extrinsics_import.hpp"
 #include "geometry/camera_model.hpp"
 #include "unit/central_difference.hpp"
 
@@ -236,37 +235,6 @@ TEST(PaperAngles, AreTheInverseOfThePapersRotation) {
   }
 }
 
-TEST(ImportMount, ReadsWhatTheToolboxPrints) {
-  const std::string text =
-      "Delta = [0.0308 -0.0652 -0.0796]' +- [0.011 0.0136 0.00737]' m\n"
-      "Phi = [ -0.105; -3.53; -179 ] +- [1.38; 0.615; 0.631] deg\nTotal rms error = 0.00616\n";
-  const auto mount = import_extrinsics(text, LaserAxes::kToolbox, AngleUnit::kAsStated);
-  EXPECT_NEAR(mount.delta_m[1], -0.0652, 1e-12);
-  // a point 2 m ahead of the laser: (0, 0, 2) in the toolbox' axes, (2, 0, 0) in ours
-  const geometry::LaserToCamera T(mount);
-  const geometry::LaserToCamera toolbox(
-      {mount.delta_m, {-0.105 * kDeg, -3.53 * kDeg, -179 * kDeg}});
-  EXPECT_LT((T({2, 0, 0}) - toolbox({0, 0, 2})).norm(), 1e-9);
-  EXPECT_LT((T({0, 1, 0}) - toolbox({1, 0, 0})).norm(), 1e-9);
-  EXPECT_THROW(import_extrinsics(text, LaserAxes::kOrchard, AngleUnit::kAsStated),
-               std::runtime_error);
-  EXPECT_THROW(import_extrinsics("delta = [0 0 0]\nphi = [0 0 3.14]", LaserAxes::kToolbox,
-                                 AngleUnit::kAsStated),
-               std::runtime_error);  // which unit?
-  // the same as a matrix, row by row, in our axes
-  const auto by_matrix = import_extrinsics("Delta = 0 0 0\nR = [0 -1 0; 0 0 -1; 1 0 0]",
-                                           LaserAxes::kOrchard, AngleUnit::kAsStated);
-  EXPECT_LT((geometry::LaserToCamera(by_matrix)({2, 0, 0}) - Eigen::Vector3d(0, 0, 2)).norm(),
-            1e-9);
-  EXPECT_THROW(import_extrinsics("delta = 0 0 0\nR = 1 0 0 0 1 0 0 0 2", LaserAxes::kOrchard,
-                                 AngleUnit::kAsStated),
-               std::runtime_error);
-  EXPECT_THROW(import_extrinsics("delta = [0 0]\n", LaserAxes::kToolbox, AngleUnit::kRadians),
-               std::runtime_error);
-}
-
-// Its covariance is (J^T J)^-1 of the corners by (rotation, shift): J by central differences of a
-// pinhole camera, which is what undistorted corners are.
 TEST(BoardPose, CovarianceIsThatOfTheCentralDifferences) {
   geometry::CameraIntrinsics pinhole;
   pinhole.fc_px = {220.0, 220.0};

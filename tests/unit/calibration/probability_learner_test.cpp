@@ -443,16 +443,10 @@ TEST(LandmarkSamples, AMovingRobotsDetectionsGetTheOutcomeOfWhatStandsThere) {
     messages.push_back(message);
   }
   messages.push_back({60'000'000, 0, 0, {observed(tree, 60'000'000)}});  // after the last pose
-  const LandmarkSamples found = landmark_samples(messages, path, outcomes, {}, 7);
-  EXPECT_EQ(found.num_scans, 19);
-  EXPECT_EQ(found.num_placed_scans, 18);
-  EXPECT_EQ(found.num_trees, 1);
-  EXPECT_EQ(found.num_objects, 1);
-  EXPECT_EQ(found.num_matched, 36);
-  EXPECT_EQ(found.num_doubtful, 0);
-  ASSERT_EQ(found.samples.size(), 54u);
-  for (std::size_t i = 0; i < found.samples.size(); ++i) {
-    const ProbabilitySample& sample = found.samples[i];
+  const auto samples = landmark_samples(messages, path, outcomes, {}, 7);
+  ASSERT_EQ(samples.size(), 54u);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const ProbabilitySample& sample = samples[i];
     const Outcome truths[] = {Outcome::kObject, Outcome::kTree, Outcome::kNeither};
     const int objects[] = {1, 0, -1};
     EXPECT_EQ(sample.outcome, truths[i % 3]) << i;

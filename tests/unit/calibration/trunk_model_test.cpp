@@ -196,20 +196,6 @@ bool warns_of(const TrunkModel& model, const std::string& words) {
   return false;
 }
 
-TEST(TrunkModel, PicksByNumberAreTheTrunks) {
-  const auto observations =
-      observations_at({{24, 0.09, 0.004, 30.0}, {6, 0.17, 0.004, 210.0}}, 8, 5);
-  TrunkModelOptions options;
-  options.wanted_trunks = 5;
-  options.picked = {25, 26, 27, 28, 30};
-  const TrunkModel model = estimate_trunk_model(observations, options);
-  EXPECT_EQ(model.num_trunks, 5);
-  EXPECT_NEAR(model.width_mean_m, 0.17, 0.003);
-  EXPECT_FALSE(model.objects[28].is_trunk);
-  options.picked = {31};
-  EXPECT_THROW(estimate_trunk_model(observations, options), std::runtime_error);
-}
-
 TEST(TrunkModel, PicksByPlaceAreTheTrunksThatStandThere) {
   const auto observations = observations_at({{4, 0.09, 0.004, 30.0}, {3, 0.17, 0.004, 30.0}}, 8, 6);
   TrunkModelOptions options;
@@ -256,7 +242,7 @@ TEST(TrunkObservation, ObservationsAtEverythingWhateverItsWidthAndColour) {
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5), brown_tube(1.5, 0.0, 0.17),
                                       blue_tube(1.5, -0.5)};
   const auto image = test::picture_of_tubes(tubes, rig);
-  const auto observations = observe_trunks(test::scan_of(tubes), &image, rig, {4, false});
+  const auto observations = observe_trunks(test::scan_of(tubes), &image, rig, 4);
   ASSERT_EQ(observations.size(), 3u);  // from right to left
   EXPECT_NEAR(vision::dominant_hue_deg(observations[0].hues, 36), 215.0, 6.0);
   EXPECT_NEAR(observations[1].width_m, 0.17, 0.01);
@@ -271,14 +257,14 @@ TEST(TrunkObservation, LeavesOutWhatIsHiddenThinOrOutOfView) {
   const std::vector<test::Tube> tubes{brown_tube(1.0, 0.0), brown_tube(2.0, 0.11),
                                       brown_tube(0.0, 1.5), brown_tube(3.0, -0.8, 0.03)};
   const auto image = test::picture_of_tubes(tubes, rig);
-  EXPECT_EQ(observe_trunks(test::scan_of(tubes), &image, rig, {4, false}).size(), 1u);
+  EXPECT_EQ(observe_trunks(test::scan_of(tubes), &image, rig, 4).size(), 1u);
 }
 
 TEST(TrunkObservation, ARigWithACameraLearnsNothingWithoutAPicture) {
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5)};
-  EXPECT_TRUE(observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig(), {4, false}).empty());
+  EXPECT_TRUE(observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig(), 4).empty());
   const auto observations =
-      observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig({}, false), {4, false});
+      observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig({}, false), 4);
   ASSERT_EQ(observations.size(), 1u);
   EXPECT_EQ(observations[0].hues.num_pixels, 0);
 }
@@ -342,7 +328,9 @@ TEST(TrunkSelection, LateTrunksAreAddedByTheirAppearanceAndPostsAreNot) {
                 [](Sort sort) { return sort == Sort::kTrunk || sort == Sort::kLateTrunk; });
   // What a person picked stays as it is.
   TrunkModelOptions picked;
-  picked.picked = {1, 2, 3, 4};
+  for (const int i : {0, 1, 2, 3}) {
+    picked.picked_trunks.push_back({i + 1, first.objects[i].x_m, first.objects[i].y_m});
+  }
   const TrunkModel by_hand = estimate_trunk_model(observations, picked);
   EXPECT_EQ(select_trunks(observations, by_hand, picked).num_trunks, 4);
 }

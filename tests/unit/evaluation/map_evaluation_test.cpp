@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "evaluation/assignment.hpp"
-#include "evaluation/reliability.hpp"
+#include "experiments/detections/reliability.hpp"
 #include "simulation/random.hpp"
 #include "worlds/landmark.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/reliability.hpp"
+#include "experiments/detections/reliability.hpp"
 
 #include <algorithm>
 #include <cmath>

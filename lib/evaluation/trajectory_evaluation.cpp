@@ -32,8 +32,9 @@ TrackPose interpolate(const TrackPose& before, const TrackPose& after, std::int6
           geometry::wrap_angle_rad(before.yaw_rad + fraction * turn_rad)};
 }
 
-void associate_between(const Track& estimate, const Track& truth,
-                       TrajectoryEvaluation& evaluation) {
+/// Pairs estimates with the truth at their times, interpolated: fills `compared` (estimate and
+/// truth, not the errors) and the numbers of unpaired poses.
+void associate(const Track& estimate, const Track& truth, TrajectoryEvaluation& evaluation) {
   for (const TrackPose& pose : estimate.poses) {
     const auto after = not_before(truth.poses, pose.utime);
     if (after != truth.poses.end() && after->utime == pose.utime) {
@@ -50,32 +51,6 @@ void associate_between(const Track& estimate, const Track& truth,
   }
 }
 
-/// The nearer of the two poses around a time; the earlier at equal distance.
-const TrackPose& nearest(const std::vector<TrackPose>& poses, std::int64_t utime) {
-  const auto after = not_before(poses, utime);
-  if (after == poses.end()) return poses.back();
-  if (after == poses.begin()) return *after;
-  return after->utime - utime < utime - std::prev(after)->utime ? *after : *std::prev(after);
-}
-
-void associate_nearest(const Track& estimate, const Track& truth, double max_difference_s,
-                       TrajectoryEvaluation& evaluation) {
-  const bool estimate_is_longer = estimate.poses.size() > truth.poses.size();
-  const Track& shorter = estimate_is_longer ? truth : estimate;
-  const Track& longer = estimate_is_longer ? estimate : truth;
-  for (const TrackPose& pose : shorter.poses) {
-    const TrackPose* partner = longer.poses.empty() ? nullptr : &nearest(longer.poses, pose.utime);
-    if (partner == nullptr ||
-        static_cast<double>(std::abs(partner->utime - pose.utime)) > 1e6 * max_difference_s) {
-      ++evaluation.num_unmatched;
-      continue;
-    }
-    const TrackPose& estimated = estimate_is_longer ? *partner : pose;
-    evaluation.compared.push_back(
-        {estimated.utime, estimated, estimate_is_longer ? pose : *partner});
-  }
-}
-
 /// Default of the max interval between true poses for interpolation: three times the median
 /// interval [s]; 0 for fewer than two poses.
 double median_gap_s(const Track& truth) {
@@ -85,18 +60,6 @@ double median_gap_s(const Track& truth) {
                           static_cast<double>(truth.poses[i].utime - truth.poses[i - 1].utime));
   }
   return 3.0 * error_statistics(std::move(intervals_s)).median;
-}
-
-/// Pairs estimates with the truth by time: fills `compared` (estimate and truth, not the errors),
-/// gap_max_s and the numbers of unpaired poses.
-void associate(const Track& estimate, const Track& truth, const TrajectoryRules& rules,
-               TrajectoryEvaluation& evaluation) {
-  if (rules.association == Association::kNearest) {
-    associate_nearest(estimate, truth, rules.max_difference_s, evaluation);
-    return;
-  }
-  evaluation.gap_max_s = rules.gap_max_s ? *rules.gap_max_s : median_gap_s(truth);
-  associate_between(estimate, truth, evaluation);
 }
 
 using geometry::wrap_angle_rad;
@@ -151,65 +114,37 @@ geometry::Pose2 align(const std::vector<ComparedPose>& compared, Alignment align
   return geometry::fit_rigid(to, from).T_a_b;
 }
 
-/// Progress of each compared pose of the estimate: metres driven, seconds, or frames.
-std::vector<double> progress(const std::vector<ComparedPose>& compared, DeltaUnit unit) {
-  std::vector<double> along(compared.size(), 0.0);
+/// Metres driven by the estimate up to each compared pose.
+std::vector<double> progress_m(const std::vector<ComparedPose>& compared) {
+  std::vector<double> along_m(compared.size(), 0.0);
   for (std::size_t i = 1; i < compared.size(); ++i) {
-    const double step = unit == DeltaUnit::kMetres
-                            ? distance_m(compared[i - 1].estimate, compared[i].estimate)
-                        : unit == DeltaUnit::kSeconds
-                            ? 1e-6 * static_cast<double>(compared[i].utime - compared[i - 1].utime)
-                            : 1.0;
-    along[i] = along[i - 1] + step;
+    along_m[i] = along_m[i - 1] + distance_m(compared[i - 1].estimate, compared[i].estimate);
   }
-  return along;
+  return along_m;
 }
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-/// Consecutive segments, each ending where it first reaches delta. Like in evo, the first pair
-/// begins at the end of the first segment, except for frames.
-Pairs consecutive_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
+/// Consecutive segments, each ending where it first reaches delta. Like in evo, the first one
+/// begins at the end of the first delta.
+Pairs segments(const std::vector<double>& along_m, double delta_m) {
   constexpr double kRounding = 1e-9;
   Pairs pairs;
-  if (along.empty()) return pairs;
-  std::vector<std::size_t> ends;
-  if (rules.unit == DeltaUnit::kFrames) ends.push_back(0);
-  double begin = along.front();
-  for (std::size_t i = 1; i < along.size(); ++i) {
-    if (along[i] - begin < rules.delta * (1.0 - kRounding)) continue;
-    ends.push_back(i);
-    begin = along[i];
-  }
-  for (std::size_t i = 1; i < ends.size(); ++i) pairs.emplace_back(ends[i - 1], ends[i]);
-  return pairs;
-}
-
-/// Pairs from every pose to the one nearest to delta ahead, within the tolerance.
-Pairs all_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
-  Pairs pairs;
-  for (std::size_t i = 0; i + 1 < along.size(); ++i) {
-    const double wanted = along[i] + rules.delta;
-    const auto first = along.begin() + static_cast<std::ptrdiff_t>(i) + 1;
-    auto it = std::lower_bound(first, along.end(), wanted);
-    if (it == along.end() || (it != first && wanted - *(it - 1) <= *it - wanted)) {
-      if (it == first) continue;
-      --it;
-    }
-    // Of several poses at one position (a standing robot), the earliest.
-    it = std::lower_bound(first, along.end(), *it);
-    if (std::abs(*it - wanted) > rules.delta * rules.delta_tolerance) continue;
-    pairs.emplace_back(i, static_cast<std::size_t>(it - along.begin()));
+  std::optional<std::size_t> last_end;
+  double begin_m = 0.0;
+  for (std::size_t i = 1; i < along_m.size(); ++i) {
+    if (along_m[i] - begin_m < delta_m * (1.0 - kRounding)) continue;
+    if (last_end) pairs.emplace_back(*last_end, i);
+    last_end = i;
+    begin_m = along_m[i];
   }
   return pairs;
 }
 
-void judge_relative(const TrajectoryRules& rules, TrajectoryEvaluation& evaluation) {
+void judge_relative(double delta_m, TrajectoryEvaluation& evaluation) {
   const std::vector<ComparedPose>& compared = evaluation.compared;
-  const std::vector<double> along = progress(compared, rules.unit);
   std::vector<double> translations_m, rotations_rad;
-  for (const auto& [i, j] :
-       rules.all_pairs ? all_pairs(along, rules) : consecutive_pairs(along, rules)) {
+  for (const auto& [i, j] : segments(progress_m(compared), delta_m)) {
     if (!evaluation.has_yaw) {
       translations_m.push_back(std::abs(distance_m(compared[i].truth, compared[j].truth) -
                                         distance_m(compared[i].estimate, compared[j].estimate)));
@@ -252,15 +187,15 @@ TrajectoryEvaluation evaluate_trajectory(const Track& estimate, const Track& tru
                                          const TrajectoryRules& rules) {
   require_order(estimate, "estimate");
   require_order(truth, "truth");
-  require_positive(rules.delta, "delta");
-  require_positive(rules.max_difference_s, "the largest difference in time");
+  require_positive(rules.delta_m, "delta");
   if (rules.gap_max_s) require_positive(*rules.gap_max_s, "the longest gap");
 
   TrajectoryEvaluation evaluation;
   evaluation.num_estimates = static_cast<int>(estimate.poses.size());
   evaluation.num_true = static_cast<int>(truth.poses.size());
   evaluation.has_yaw = truth.has_yaw && estimate.has_yaw;
-  associate(estimate, truth, rules, evaluation);
+  evaluation.gap_max_s = rules.gap_max_s ? *rules.gap_max_s : median_gap_s(truth);
+  associate(estimate, truth, evaluation);
   evaluation.T_truth_estimate = align(evaluation.compared, rules.alignment, evaluation.has_yaw);
 
   std::vector<double> distances_m, turns_rad;
@@ -279,7 +214,7 @@ TrajectoryEvaluation evaluate_trajectory(const Track& estimate, const Track& tru
   }
   evaluation.position_m = error_statistics(std::move(distances_m));
   evaluation.yaw_rad = error_statistics(std::move(turns_rad));
-  judge_relative(rules, evaluation);
+  judge_relative(rules.delta_m, evaluation);
   return evaluation;
 }
 
@@ -296,10 +231,6 @@ std::string row(const std::string& name, const ErrorStatistics& e, double scale,
                      scale * e.min, scale * e.max, unit);
 }
 
-const char* unit_name(DeltaUnit unit) {
-  return unit == DeltaUnit::kMetres ? "m" : unit == DeltaUnit::kSeconds ? "s" : "frames";
-}
-
 ordered_json statistics_json(const ErrorStatistics& e) {
   if (e.num == 0) return {{"n", 0}};
   return {{"n", e.num},  {"rmse", e.rmse}, {"mean", e.mean}, {"median", e.median},
@@ -310,17 +241,11 @@ ordered_json statistics_json(const ErrorStatistics& e) {
 
 std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
                                const TrajectoryRules& rules) {
-  std::string text =
-      fmt::format("{} of {} poses compared with {} true poses: {} outside their time, {} in gaps",
-                  evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
-                  evaluation.num_outside, evaluation.num_in_gaps);
-  if (rules.association == Association::kNearest) {
-    text += fmt::format(", {} without a partner within {:g} s", evaluation.num_unmatched,
-                        rules.max_difference_s);
-  } else {
-    text += fmt::format(" of more than {:g} s", evaluation.gap_max_s);
-  }
-  text += "\n";
+  std::string text = fmt::format(
+      "{} of {} poses compared with {} true poses: {} outside their time, {} in gaps of more than "
+      "{:g} s\n",
+      evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
+      evaluation.num_outside, evaluation.num_in_gaps, evaluation.gap_max_s);
   if (rules.alignment != Alignment::kNone) {
     const geometry::Pose2& t = evaluation.T_truth_estimate;
     text +=
@@ -333,11 +258,10 @@ std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
   text += row("APE position (ATE)", evaluation.position_m, 1.0, "m");
   text += row("APE yaw", evaluation.yaw_rad, kDegPerRad, "deg");
   const std::string position_name =
-      fmt::format("RPE {}, {:g} {}", evaluation.has_yaw ? "position" : "distance", rules.delta,
-                  unit_name(rules.unit));
+      fmt::format("RPE {}, {:g} m", evaluation.has_yaw ? "position" : "distance", rules.delta_m);
   text += row(position_name, evaluation.relative_position_m, 1.0, "m");
-  const std::string yaw_name = fmt::format("RPE yaw, {:g} {}", rules.delta, unit_name(rules.unit));
-  text += row(yaw_name, evaluation.relative_yaw_rad, kDegPerRad, "deg");
+  text += row(fmt::format("RPE yaw, {:g} m", rules.delta_m), evaluation.relative_yaw_rad,
+              kDegPerRad, "deg");
   if (!evaluation.has_yaw) text += "one trajectory has no headings: yaw is not evaluated\n";
   return text;
 }
@@ -350,7 +274,6 @@ std::string trajectory_json(const TrajectoryEvaluation& evaluation, const Trajec
                     {"num_compared", evaluation.compared.size()},
                     {"num_outside", evaluation.num_outside},
                     {"num_in_gaps", evaluation.num_in_gaps},
-                    {"num_unmatched", evaluation.num_unmatched},
                     {"gap_max_s", evaluation.gap_max_s},
                     {"alignment", kAlignments[static_cast<std::size_t>(rules.alignment)]},
                     {"aligned_by", {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}}},
@@ -358,9 +281,7 @@ std::string trajectory_json(const TrajectoryEvaluation& evaluation, const Trajec
                     {"has_yaw", evaluation.has_yaw},
                     {"ape_position_m", statistics_json(evaluation.position_m)},
                     {"ape_yaw_rad", statistics_json(evaluation.yaw_rad)},
-                    {"rpe_delta", rules.delta},
-                    {"rpe_unit", unit_name(rules.unit)},
-                    {"rpe_all_pairs", rules.all_pairs},
+                    {"rpe_delta_m", rules.delta_m},
                     {"rpe_position_m", statistics_json(evaluation.relative_position_m)},
                     {"rpe_yaw_rad", statistics_json(evaluation.relative_yaw_rad)}};
   return json.dump(2) + "\n";

@@ -31,25 +31,12 @@ enum class Alignment {
   kOrigin,  ///< its first compared pose is made equal to the true one
 };
 
-/// Association of estimates with true poses.
-enum class Association {
-  kInterpolate,  ///< the truth at the estimate's time, between two true poses
-  kNearest,      ///< the nearest in time, at the times of the track with fewer poses, as evo does
-};
-
-enum class DeltaUnit { kFrames, kMetres, kSeconds };
-
 /// Rules of a trajectory evaluation; the defaults of RPE are those of evo.
 struct TrajectoryRules {
   Alignment alignment = Alignment::kNone;
-  Association association = Association::kInterpolate;
-  double max_difference_s = 0.01;   ///< kNearest: max time difference of a pair
-  std::optional<double> gap_max_s;  ///< kInterpolate: no interpolation between true poses farther
-                                    ///< apart; none: three median intervals
-  double delta = 1.0;               ///< of RPE: length of a segment
-  DeltaUnit unit = DeltaUnit::kMetres;
-  bool all_pairs = false;        ///< RPE from every pose, instead of consecutive segments
-  double delta_tolerance = 0.1;  ///< all_pairs: max deviation from delta, as a fraction of it
+  std::optional<double> gap_max_s;  ///< no interpolation between true poses farther apart; none:
+                                    ///< three median intervals
+  double delta_m = 1.0;             ///< of RPE: length of a segment, along the estimate
 };
 
 /// Statistics of a set of errors; all 0 for an empty set.
@@ -65,7 +52,7 @@ struct ErrorStatistics {
 
 ErrorStatistics error_statistics(std::vector<double> errors);
 
-/// One estimate and the true pose at its time.
+/// One estimate and the true pose at its time, interpolated.
 struct ComparedPose {
   std::int64_t utime = 0;
   TrackPose estimate;  ///< after alignment
@@ -79,9 +66,8 @@ struct ComparedPose {
 struct TrajectoryEvaluation {
   int num_estimates = 0;
   int num_true = 0;
-  int num_outside = 0;    ///< estimates before the first or after the last true pose
-  int num_in_gaps = 0;    ///< estimates inside a gap of the truth
-  int num_unmatched = 0;  ///< kNearest: poses of the shorter track without a partner
+  int num_outside = 0;  ///< estimates before the first or after the last true pose
+  int num_in_gaps = 0;  ///< estimates inside a gap of the truth
   double gap_max_s = 0.0;
   geometry::Pose2 T_truth_estimate;  ///< the alignment, from the estimate's frame to the truth's
   bool has_yaw = true;               ///< of the truth

@@ -31,16 +31,8 @@ void declare(CLI::App& command, EvaluateTrajectoryOptions& o) {
   add_value(command, "--rows", o.rows_path, "FOLDER|FILE");
   auto* align = command.add_flag("--align", o.align);
   command.add_flag("--align-origin", o.align_origin)->excludes(align);
-  command.add_flag("--nearest", o.nearest);
-  add_checked(command, "--max-difference", o.rules.max_difference_s, CLI::PositiveNumber);
   add_checked(command, "--gap", o.gap_max_s, CLI::NonNegativeNumber);
-  add_checked(command, "--delta", o.rules.delta, CLI::PositiveNumber);
-  using evaluation::DeltaUnit;
-  command.add_option("--unit", o.rules.unit)
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DeltaUnit>{
-          {"m", DeltaUnit::kMetres}, {"s", DeltaUnit::kSeconds}, {"frames", DeltaUnit::kFrames}}))
-      ->default_str("m");
-  command.add_flag("--all-pairs", o.rules.all_pairs);
+  add_checked(command, "--delta", o.rules.delta_m, CLI::PositiveNumber);
   command.add_flag("--json", o.json);
 }
 

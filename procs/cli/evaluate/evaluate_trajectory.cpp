@@ -101,7 +101,6 @@ int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
   evaluation::TrajectoryRules rules = options.rules;
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
   if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
-  if (options.nearest) rules.association = evaluation::Association::kNearest;
   if (options.gap_max_s > 0.0) rules.gap_max_s = options.gap_max_s;
   const std::string path = std::filesystem::is_directory(options.trajectory_path)
                                ? options.trajectory_path + "/trajectory.csv"

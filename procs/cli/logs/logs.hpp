@@ -138,7 +138,6 @@ struct EvaluateTrajectoryOptions {
   std::string rows_path;  ///< map or survey of the rows, in the truth's frame; empty: none
   bool align = false;
   bool align_origin = false;
-  bool nearest = false;
   double gap_max_s = 0.0;  ///< 0 = three median intervals of the truth
   evaluation::TrajectoryRules rules;
   bool json = false;

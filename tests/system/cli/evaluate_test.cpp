@@ -197,7 +197,6 @@ TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("nothing can be compared"));
   EXPECT_EQ(evaluate({"--align", "--align-origin"}).exit_code, 2);
-  EXPECT_EQ(evaluate({"--unit", "feet"}).exit_code, 2);
 }
 
 TEST_F(EvaluateTrajectoryCommand, AMapIsLaidUponTheTruth) {

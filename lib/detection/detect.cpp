@@ -398,12 +398,14 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
   yy += shared2 * geometry::square(place.y_m);
 
   const double c = std::cos(mount.mount_yaw_rad), s = std::sin(mount.mount_yaw_rad);
+  const double laser_x_m = mount.mount_x_m + scan.sway_x_m;
+  const double laser_y_m = mount.mount_y_m + scan.sway_y_m;
   detection.surface_x_m =
-      mount.mount_x_m + segment.range_m * std::cos(mount.mount_yaw_rad + segment.bearing_rad);
+      laser_x_m + segment.range_m * std::cos(mount.mount_yaw_rad + segment.bearing_rad);
   detection.surface_y_m =
-      mount.mount_y_m + segment.range_m * std::sin(mount.mount_yaw_rad + segment.bearing_rad);
-  detection.centre_x_m = mount.mount_x_m + c * place.x_m - s * place.y_m;
-  detection.centre_y_m = mount.mount_y_m + s * place.x_m + c * place.y_m;
+      laser_y_m + segment.range_m * std::sin(mount.mount_yaw_rad + segment.bearing_rad);
+  detection.centre_x_m = laser_x_m + c * place.x_m - s * place.y_m;
+  detection.centre_y_m = laser_y_m + s * place.x_m + c * place.y_m;
   detection.covariance = geometry::rotated_covariance(place.covariance, mount.mount_yaw_rad);
 }
 

@@ -23,6 +23,7 @@ struct LaserConfig {
   double mount_x_m = 0.0;
   double mount_y_m = 0.0;
   double mount_yaw_rad = 0.0;
+  double height_m = 0.0;  ///< of the scan plane above the ground; 0 = scans are not levelled
   double range_sd_m = 0.010;
   double range_sd_fraction = 0.01;
   /// 1-sigma per metre of range of the error common to all beams of one object.
@@ -53,6 +54,9 @@ void describe(Visitor& v, LaserConfig& c) {
            "y of the laser in base (left), measured with a ruler");
   v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad",
            "yaw of the laser in base, counter-clockwise; 0 = looks forward");
+  v.number("height_m", c.height_m, 0, 5, "m",
+           "height of the scan plane above the ground, for a robot with an IMU on slopes or bumps: "
+           "its scans are levelled and the ground in them is left out; 0 = taken as level");
   v.number("range_sd_m", c.range_sd_m, 0, 1, "m",
            "standard deviation of a range, constant part; from the data sheet");
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -21,8 +23,21 @@ struct Scan {
   std::vector<float> ranges_m;     ///< one per beam; 0 = no return
   std::vector<float> intensities;  ///< empty, or one per beam
 
+  /// Of the scan of a tilted robot that is projected to the horizontal plane (pose/attitude), not
+  /// in scan_t: the bearings of the projected beams, else empty, and where the tilt puts the laser
+  /// beyond its mount, in base.
+  std::vector<float> bearings_rad;
+  double sway_x_m = 0.0;
+  double sway_y_m = 0.0;
+
   /// Bearing of a beam in the laser frame [rad]; `beam` may lie between two beams.
-  double bearing_rad(double beam) const { return bearing_min_rad + beam * bearing_step_rad; }
+  double bearing_rad(double beam) const {
+    if (!bearings_rad.empty()) return projected_bearing_rad(beam);
+    return bearing_min_rad + beam * bearing_step_rad;
+  }
+
+  /// The beam whose bearing is nearest to `beam` equal steps from bearing_min_rad.
+  std::size_t beam_near(std::size_t beam) const;
 
   bool has_intensities() const {
     return !intensities.empty() && intensities.size() == ranges_m.size();
@@ -33,7 +48,27 @@ struct Scan {
     const double range_m = ranges_m[i];
     return range_m >= range_min_m && range_m <= range_max_m && range_m > 0.0;
   }
+
+ private:
+  double projected_bearing_rad(double beam) const {
+    const double last = static_cast<double>(bearings_rad.size()) - 1.0;
+    const double before = std::floor(std::max(0.0, std::min(beam, last)));
+    return static_cast<double>(bearings_rad[static_cast<std::size_t>(before)]) +
+           (beam - before) * bearing_step_rad;
+  }
 };
+
+inline std::size_t Scan::beam_near(std::size_t beam) const {
+  if (bearings_rad.empty()) return beam;
+  const double wanted = static_cast<double>(beam),
+               last = static_cast<double>(bearings_rad.size()) - 1;
+  double near = wanted;
+  for (int i = 0; i < 2; ++i) {  // bearings are turned by a few steps, smoothly
+    const double steps = (bearing_rad(near) - bearing_min_rad) / bearing_step_rad;
+    near = std::max(0.0, std::min(last, near + wanted - steps));
+  }
+  return static_cast<std::size_t>(std::lround(near));
+}
 
 /// A sweep of the second scanner, channel SCAN.rear. A separate type, so that the two scanners
 /// cannot be confused.

@@ -38,21 +38,26 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
                      const laser::BlindSector& blind)
     : utime_(scan.utime),
       laser_(laser),
-      bearing_middle_rad_(scan.bearing_rad(0.5 * (static_cast<double>(scan.ranges_m.size()) - 1))),
+      bearing_middle_rad_(scan.bearing_min_rad +
+                          0.5 * (static_cast<double>(scan.ranges_m.size()) - 1) *
+                              scan.bearing_step_rad),
       bearing_step_rad_(scan.bearing_step_rad),
       beam_period_s_(1e-6 * scan.beam_period_us),
       no_return_m_(0.5 * scan.range_max_m) {
+  laser_.mount_x_m += scan.sway_x_m;
+  laser_.mount_y_m += scan.sway_y_m;
   codes_.assign(scan.ranges_m.size(), kSaysNothing);
   const double per_m = kFarthest / kBeamReach_m;
-  for (std::size_t i = 0; i < codes_.size(); ++i) {
+  for (std::size_t k = 0; k < codes_.size(); ++k) {
+    const std::size_t i = scan.beam_near(k);
     const double range_m = scan.ranges_m[i];
     if (blind.contains(scan.bearing_rad(static_cast<double>(i)))) continue;
     if (range_m == 0.0 || range_m >= scan.range_max_m) {  // some drivers report no return as max
-      codes_[i] = kNoReturn;
+      codes_[k] = kNoReturn;
     } else if (scan.valid(i) && range_m >= kBeamReach_m) {
-      codes_[i] = kBeyondReach;
+      codes_[k] = kBeyondReach;
     } else if (scan.valid(i)) {
-      codes_[i] =
+      codes_[k] =
           std::min<std::uint8_t>(kFarthest, static_cast<std::uint8_t>(1.0 + range_m * per_m));
     }
   }

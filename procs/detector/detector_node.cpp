@@ -225,7 +225,8 @@ detection::ScanImagePairer make_pairer(const io::Config& config) {
 }
 
 DetectorNode::DetectorNode(const io::Config& config)
-    : rig_(config.laser, config.camera, config.detector),
+    : levelled_(config),
+      rig_(config.laser, config.camera, config.detector),
       pairer_(make_pairer(config)),
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       camera_check_(rig_),
@@ -249,10 +250,19 @@ std::vector<bus::Channel> DetectorNode::inputs() const {
     channels.push_back(bus::Channel::kOdometry);
   }
   if (joiner_) channels.push_back(bus::Channel::kScanRear);
+  levelled_.add_channels(channels);
   return channels;
 }
 
+bus::InputNeed DetectorNode::need_of(bus::Channel channel) const {
+  return channel == bus::Channel::kImu ? bus::InputNeed::kOptional : Node::need_of(channel);
+}
+
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  levelled_.pass(input, [&](const bus::Message& message) { use(message, send); });
+}
+
+void DetectorNode::use(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     health_.note_scan(*scan);
@@ -278,6 +288,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
 }
 
 void DetectorNode::flush(const bus::Outbox& send) {
+  levelled_.flush([&](const bus::Message& message) { use(message, send); });
   for (const auto& pair : pairer_.flush()) send_detections(pair, send);
   if (joiner_) send_views(joiner_->flush(), send);
   camera_check_.finish();
@@ -304,9 +315,12 @@ std::string DetectorNode::waiting_for() const {
 }
 
 std::string DetectorNode::warning() const {
-  const std::string text = ended_ ? monitor_.run_summary() : monitor_.warning();
-  const std::string inputs = health_.text(ended_, pairer_.num_without_motion());
-  return text + (text.empty() || inputs.empty() ? "" : "; ") + inputs;
+  std::string all = ended_ ? monitor_.run_summary() : monitor_.warning();
+  for (const std::string& text :
+       {health_.text(ended_, pairer_.num_without_motion()), levelled_.warning()}) {
+    if (!text.empty()) all += (all.empty() ? "" : "; ") + text;
+  }
+  return all;
 }
 
 std::vector<Finding> DetectorNode::findings() const {
@@ -316,7 +330,8 @@ std::vector<Finding> DetectorNode::findings() const {
 }
 
 std::unique_ptr<bus::Precomputation> DetectorNode::precompute(const bus::Message& input) {
-  return precomputer_->precompute(input);
+  // A scan that is levelled waits for its IMU.
+  return levelled_.is_active() ? nullptr : precomputer_->precompute(input);
 }
 
 void DetectorNode::use_precomputed(std::unique_ptr<bus::Precomputation> precomputed) {

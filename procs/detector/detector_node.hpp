@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/node/levelled_inputs.hpp"
 #include "bus/node/node.hpp"
 #include "detection/camera_check.hpp"
 #include "detection/consistency_monitor.hpp"
@@ -148,6 +149,8 @@ detection::ScanImagePairer make_pairer(const io::Config& config);
 ///
 /// With laser_rear.enabled the detections of SCAN.rear are joined with those of SCAN into one
 /// message; odometry, where the rig has it, compensates the motion between the two scans.
+///
+/// With laser.height_m the scans are levelled by the IMU first.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
@@ -156,6 +159,7 @@ class DetectorNode : public bus::Node {
 
   std::string_view name() const override { return "detector"; }
   std::vector<bus::Channel> inputs() const override;
+  bus::InputNeed need_of(bus::Channel channel) const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   std::unique_ptr<bus::Precomputation> precompute(const bus::Message& input) override;
   void use_precomputed(std::unique_ptr<bus::Precomputation> precomputed) override;
@@ -170,12 +174,14 @@ class DetectorNode : public bus::Node {
   std::optional<double> range_noise_ratio() const { return range_noise_.ratio(); }
 
  private:
+  void use(const bus::Message& input, const bus::Outbox& send);
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
   JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
+  bus::LevelledInputs levelled_;
   detection::Rig rig_;
   std::optional<detection::Rig> rear_rig_;  ///< the camera does not see its scans
   std::optional<detection::RearJoiner> joiner_;

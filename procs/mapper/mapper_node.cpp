@@ -74,7 +74,8 @@ mapping::MapperConfig with_detector(const io::Config& config) {
 
 MapperNode::MapperNode(const io::Config& config,
                        const std::shared_ptr<mapping::ChunkAllocator>& memory)
-    : config_(config.mapper),
+    : levelled_(config),
+      config_(config.mapper),
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
       mapper_(with_detector(config), {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
@@ -101,18 +102,33 @@ std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
   if (album_.is_open()) channels.push_back(bus::Channel::kImage);
-  if (scan_wait_us(config_)) channels.push_back(bus::Channel::kScan);
+  if (scan_wait_us(config_)) {
+    channels.push_back(bus::Channel::kScan);
+    levelled_.add_channels(channels);
+  }
   return channels;
 }
 
 /// GNSS, free-space evidence and the album are optional.
 bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
   const bool optional = channel == bus::Channel::kGnss || channel == bus::Channel::kScan ||
-                        channel == bus::Channel::kImage;
+                        channel == bus::Channel::kImage || levelled_.reads(channel);
   return optional ? bus::InputNeed::kOptional : Node::need_of(channel);
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  const auto use = [&](const bus::Message& message) { take(message, send); };
+  const auto* scan = std::get_if<laser::Scan>(&input);
+  if (!levelled_.is_active() || scan == nullptr || keeps_beams_of(scan->utime)) {
+    return levelled_.pass(input, use);
+  }
+  laser::Scan without_beams;  // whose beams are not levelled in vain
+  without_beams.utime = scan->utime;
+  without_beams.seq = scan->seq;
+  levelled_.pass(without_beams, use);
+}
+
+void MapperNode::take(const bus::Message& input, const bus::Outbox& send) {
   is_flushed_ = false;
   finished_.reset();
   const std::int64_t utime = bus::utime_of(input);
@@ -272,6 +288,7 @@ void MapperNode::rebuild_map(const bus::Outbox& send) {
 }
 
 void MapperNode::flush(const bus::Outbox& send) {
+  levelled_.flush([&](const bus::Message& message) { take(message, send); });
   is_flushed_ = true;
   while (!queue_.is_empty(kDetections)) place_front(send);
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "bus/node/levelled_inputs.hpp"
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
@@ -106,6 +107,7 @@ class MapperNode : public bus::Node {
   using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
   static Queue::Rules rules_of(const mapping::MapperConfig& config);
 
+  void take(const bus::Message& input, const bus::Outbox& send);
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
@@ -130,6 +132,7 @@ class MapperNode : public bus::Node {
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
   void photograph(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
 
+  bus::LevelledInputs levelled_;
   mapping::MapperConfig config_;
   Eigen::Vector2d antenna_base_m_;
   pose::GnssPositions gnss_;

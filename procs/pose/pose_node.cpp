@@ -60,7 +60,8 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 }  // namespace
 
 PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkAllocator> memory)
-    : waits_s_(pose::expected_measurements(config.pose)),
+    : levelled_(config),
+      waits_s_(pose::expected_measurements(config.pose)),
       queue_(rules_of(waits_s_)),
       localiser_(pose::make_localiser(
           config.pose,
@@ -82,6 +83,7 @@ std::vector<bus::Channel> PoseNode::mode_inputs() const {
 
 std::vector<bus::Channel> PoseNode::inputs() const {
   std::vector<bus::Channel> channels = mode_inputs();
+  levelled_.add_channels(channels);
   if (!checks_rig_) return channels;
   for (const bus::Channel channel : kRigChannels) {
     if (!contains(channels, channel)) channels.push_back(channel);
@@ -94,7 +96,9 @@ std::vector<bus::Channel> PoseNode::inputs() const {
 /// What only checks the rig, and odometry where the scans tell the motion, may be absent.
 bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
   const std::vector<bus::Channel> of_mode = mode_inputs();
-  if (!contains(of_mode, channel)) return bus::InputNeed::kOccasional;
+  if (!contains(of_mode, channel)) {
+    return levelled_.reads(channel) ? bus::InputNeed::kOptional : bus::InputNeed::kOccasional;
+  }
   if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
     return bus::InputNeed::kOptional;
   }
@@ -108,6 +112,10 @@ bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
 }
 
 void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  levelled_.pass(input, [&](const bus::Message& message) { take(message, send); });
+}
+
+void PoseNode::take(const bus::Message& input, const bus::Outbox& send) {
   if (checks_rig_) check_rig(input);
   if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
     if (waits_s_[measurement->index()]) push(*std::move(measurement));
@@ -147,6 +155,7 @@ void PoseNode::push(pose::Measurement measurement) {
 }
 
 void PoseNode::flush(const bus::Outbox& send) {
+  levelled_.flush([&](const bus::Message& message) { take(message, send); });
   while (auto measurement = queue_.pop_flushed()) use(*std::move(measurement), send);
   localiser_->finish();
   if (checks_rig_) rig_monitor_.finish();

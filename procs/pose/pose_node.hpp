@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bus/node/levelled_inputs.hpp"
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "pose/graph/record_store.hpp"
@@ -50,6 +51,7 @@ class PoseNode : public bus::Node {
  private:
   /// The channels that pose.mode uses; the others only check the rig.
   std::vector<bus::Channel> mode_inputs() const;
+  void take(const bus::Message& input, const bus::Outbox& send);
   void check_rig(const bus::Message& input);
   void push(pose::Measurement measurement);
   void use(pose::Measurement measurement, const bus::Outbox& send);
@@ -60,6 +62,7 @@ class PoseNode : public bus::Node {
 
   using Queue = timing::OrderedQueue<pose::Measurement, pose::kNumMeasurementKinds>;
 
+  bus::LevelledInputs levelled_;
   pose::MeasurementWaits waits_s_;
   Queue queue_;
   std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement used

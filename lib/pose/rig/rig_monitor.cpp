@@ -158,8 +158,10 @@ laser::Scan thinned_out(const laser::Scan& scan) {
   laser::Scan few = scan;
   few.intensities.clear();
   few.ranges_m.clear();
+  few.bearings_rad.clear();
   for (std::size_t i = 0; i < scan.ranges_m.size(); i += step) {
     few.ranges_m.push_back(scan.ranges_m[i]);
+    if (!scan.bearings_rad.empty()) few.bearings_rad.push_back(scan.bearings_rad[i]);
   }
   few.bearing_step_rad *= static_cast<double>(step);
   few.beam_period_us *= static_cast<double>(step);

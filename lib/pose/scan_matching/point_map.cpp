@@ -63,7 +63,8 @@ std::vector<SurfacePoint> surface_points(const laser::Scan& scan, const laser::L
                                          const laser::BlindSector& blind,
                                          const Eigen::Vector3d& velocity,
                                          const ScanMotionConfig& config) {
-  const Eigen::Vector3d T_base_laser(mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad);
+  const Eigen::Vector3d T_base_laser(mount.mount_x_m + scan.sway_x_m,
+                                     mount.mount_y_m + scan.sway_y_m, mount.mount_yaw_rad);
   const double nearest_m = std::max(scan.range_min_m, config.range_min_m);
   const double farthest_m = std::min(scan.range_max_m, config.range_max_m);
   const bool moves = config.deskew && scan.beam_period_us > 0.0;

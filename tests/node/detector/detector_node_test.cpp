@@ -162,6 +162,51 @@ TEST(DetectorNode, OutputDoesNotDependOnArrivalAcrossChannels) {
   EXPECT_EQ(reference.size(), 12u);
 }
 
+// A robot that stands on a slope of 20 %: its scans wait for their IMU, whenever that comes.
+TEST(DetectorNode, LevelsScansWhateverArrivesFirst) {
+  io::Config config;
+  config.camera.enabled = false;
+  config.laser.height_m = 0.3;
+  config.pose.reorder_window_s = 0.5;
+  std::vector<std::vector<std::uint8_t>> reference;
+  std::mt19937 random(5);
+  for (int round = 0; round < 8; ++round) {
+    std::vector<bus::Message> scans, samples;
+    for (int i = 0; i < 6; ++i) scans.emplace_back(scan(i));
+    for (int i = 0; i < 80; ++i) {
+      pose::Imu imu;
+      imu.utime = 1'000'000 + 10'000 * i;
+      imu.seq = i;
+      imu.has_orientation = true;
+      imu.pitch_rad = -0.2;
+      samples.emplace_back(imu);
+    }
+    Bench bench(config);
+    std::size_t next_scan = 0, next_sample = 0;
+    while (next_scan < scans.size() || next_sample < samples.size()) {
+      // up to 0.2 s apart
+      const bool may_scan = next_scan < scans.size() && 10 * next_scan < next_sample + 20;
+      const bool may_sample = next_sample < samples.size() && next_sample < 10 * next_scan + 20;
+      if (may_scan && (!may_sample || random() % 2 == 0)) {
+        bench.handle(scans[next_scan++]);
+      } else {
+        bench.handle(samples[next_sample++]);
+      }
+    }
+    bench.flush();
+    if (round == 0) reference = bytes_of(bench.sent);
+    EXPECT_EQ(bytes_of(bench.sent), reference);
+    ASSERT_EQ(bench.sent.size(), 6u);
+    EXPECT_EQ(bench.node.warning(), "");
+  }
+  Bench level(config);
+  for (int i = 0; i < 6; ++i) level.handle(scan(i));
+  level.flush();
+  ASSERT_EQ(level.sent.size(), 6u);
+  EXPECT_NE(bytes_of(level.sent), reference);
+  EXPECT_NE(level.node.warning().find("laser.height_m"), std::string::npos);
+}
+
 TEST(DetectorNode, CountsPicturesOfNoUse) {
   Bench bench;
   bench.handle(scan(0));

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/attitude/ground_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
+
+namespace orchard::pose {
+namespace {
+
+using geometry::square;
+
+// physical: the length over which the tilt of a robot is one and the same: about its wheelbase.
+constexpr double kBody_m = 1.0;
+// physical: by hand and level a scanner is mounted parallel to the wheels within half a degree.
+constexpr double kMountSd_rad = 0.5 * geometry::kPi / 180.0;
+// physical: before any way is driven: bumps of a farm track tilt a robot by 5 degrees (1 sigma).
+constexpr double kStartSd = 0.09;
+constexpr double kHeldAsWay_m =
+    5.0 * kBody_m;  // derived: of five bodies a scatter is known to a third
+
+}  // namespace
+
+void GroundPlane::add(const Attitude& attitude, double distance_m, double turn_rad) {
+  const Eigen::Vector2d seen = gradient_under(attitude);
+  if (!is_started_) {
+    is_started_ = true;
+    gradient_ = seen;
+    variance_ = square(kStartSd);
+    return;
+  }
+  gradient_ = geometry::rotation(-turn_rad) * gradient_;
+  driven_m_ = std::min(memory_m_, driven_m_ + distance_m);
+  const double of_plane = distance_m / std::max(kBody_m, driven_m_);
+  gradient_ += (1.0 - std::exp(-of_plane)) * (seen - gradient_);
+  // A scatter takes longer to know than a mean: what is held before counts as that much way.
+  const double of_scatter = distance_m / (kHeldAsWay_m + driven_m_);
+  variance_ += (1.0 - std::exp(-of_scatter)) * (0.5 * (seen - gradient_).squaredNorm() - variance_);
+}
+
+/// Slopes of one body's length are independent of those of the next: heights walk at random, and
+/// the plane is the mean of as many as were driven on.
+GroundPlane::HeightVariance GroundPlane::height_variance() const {
+  const double of_plane = kBody_m / std::max(kBody_m, 2.0 * driven_m_);
+  return {static_cast<float>(variance_ * square(kBody_m)), static_cast<float>(variance_ * kBody_m),
+          static_cast<float>(variance_ * of_plane + square(kMountSd_rad))};
+}
+
+}  // namespace orchard::pose

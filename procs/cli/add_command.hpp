@@ -36,7 +36,7 @@ std::string title_of(const CLI::App& command);
 const char* program_of(const CLI::App& command);
 
 /// Replaces this process by `program` from the same folder, with the same arguments; does not
-/// return. Throws io::FileError when it cannot be started.
+/// return. Throws io::FileError when it cannot be started, or is this one already.
 [[noreturn]] int replace_by_program(const char* program);
 
 /// Runs a command. All programs parse the same command line. A function that is not linked into

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -61,6 +62,13 @@ const char* program_of(const CLI::App& command) {
 
 int replace_by_program(const char* program) {
   const std::string path = io::program_folder() + "/" + program;
+  std::error_code error;
+  if (std::filesystem::equivalent(path, "/proc/self/exe", error)) {  // it would run itself for ever
+    throw io::SystemError(path +
+                          " lacks the command that it is there for, as if it were another program "
+                          "under this name; build all programs anew with scripts/build.sh, or "
+                          "install the package again");
+  }
   std::string words = own_command_line();
   std::vector<char*> arguments;
   for (std::size_t begin = 0, end; (end = words.find('\0', begin)) != words.npos; begin = end + 1) {

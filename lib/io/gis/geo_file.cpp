@@ -70,7 +70,7 @@ const std::vector<GeoFormatInfo>& geo_formats() {
   static const std::vector<GeoFormatInfo> kFormats{
       {GeoFormat::kGeoPackage, "gpkg", ".gpkg", "GPKG", false, false, ""},
       {GeoFormat::kGeoJson, "geojson", ".geojson", "GeoJSON", true, true, ""},
-      {GeoFormat::kKml, "kml", ".kml", "LIBKML", false, true,
+      {GeoFormat::kKml, "kml", ".kml", "KML", false, true,
        "KML does not store colours by class"},
       {GeoFormat::kShapefile, "shp", ".shp.zip", "ESRI Shapefile", false, false, kShapefileLoses},
       {GeoFormat::kShapefileParts, "shp", ".shp", "ESRI Shapefile", true, false, kShapefileLoses},
@@ -135,7 +135,6 @@ class OgrFile final : public LayerFile {
 
   std::optional<geometry::Georeference> georeference_;
   const GeoFormatInfo& info_;
-  CPLConfigOptionSetter label_field_{"LIBKML_NAME_FIELD", "label", false};
   CPLConfigOptionSetter no_hatch_{"DXF_WRITE_HATCH", "NO", false};  // an outline only
   GdalErrors errors_;
   MemoryFile file_;
@@ -170,6 +169,7 @@ OgrFile::OgrFile(const std::optional<geometry::Georeference>& georeference,
   require(driver != nullptr);
   CPLStringList options;
   if (info.format == GeoFormat::kGpx) options.SetNameValue("GPX_USE_EXTENSIONS", "YES");
+  if (info.format == GeoFormat::kKml) options.SetNameValue("NameField", "label");
   dataset_.reset(driver->Create(file_.path().c_str(), 0, 0, 0, GDT_Unknown, options.List()));
   require(dataset_ != nullptr);
 }

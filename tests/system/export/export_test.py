@@ -184,6 +184,16 @@ class Export(unittest.TestCase):
         self.export("shp", "--layer", "rows", "--overwrite", out="parts.shp")
         self.assertEqual(len(self.read([])), 2)
 
+    def test_kml_of_many_trees(self):
+        """Twenty thousand end well before this test's limit, where each tree cost a copy of all before it: hours."""
+        lines = [maps.landmark(k + 1, 3.0 * (k % 100), 5.0 * (k // 100), k // 100 + 1, k % 100 + 1) for k in range(20000)]
+        maps.write_map(self.map, lines, (), maps.datum(LATITUDE, LONGITUDE))
+        self.export("kml")
+        with open(self.out, encoding="utf-8") as file:
+            text = file.read()
+        for what, num in (('<SimpleData name="id">', 20000), ("<name>200/100</name>", 1), ("<LineString>", 200 + 1)):  # rows, path
+            self.assertEqual(text.count(what), num, what)
+
     def test_gpx_for_receivers(self):
         self.export("gpx", out="a.gpx")
         points = self.gpx("wpt")

@@ -98,6 +98,12 @@ CsvReader CsvReader::open(const std::string& path) {
   return CsvReader(std::make_unique<GzipSource>(path), path);
 }
 
+CsvReader CsvReader::open_quoted(const std::string& path) {
+  CsvReader reader = open(path);
+  reader.has_quotes_ = true;
+  return reader;
+}
+
 CsvReader CsvReader::from_text(std::string_view text, const std::string& name) {
   return CsvReader(std::make_unique<TextSource>(text), name);
 }
@@ -169,18 +175,46 @@ void CsvReader::split() {
   if (line.empty()) fail_at_column(1, "an empty line; remove it");
   for (std::size_t i = 0; i < line.size(); ++i) {
     const auto c = static_cast<unsigned char>(line[i]);
-    if (c == '"') fail_at_column(i + 1, "a quote character; write fields without quotes");
+    if (c == '"' && !has_quotes_) {
+      fail_at_column(i + 1, "a quote character; write fields without quotes");
+    }
     if (c < 0x20 || c == 0x7F) {
       fail_at_column(i + 1, "a control character; give a CSV file");
     }
   }
   std::size_t begin = 0;
   while (true) {
-    const std::size_t comma = line.find(',', begin);
-    fields_.push_back(line.substr(begin, comma - begin));
-    if (comma == std::string_view::npos) return;
+    std::size_t comma = line.find(',', begin);
+    if (begin < line.size() && line[begin] == '"') {
+      comma = unquote(begin);
+    } else {
+      fields_.push_back(line.substr(begin, comma - begin));
+      const std::size_t quote = has_quotes_ ? fields_.back().find('"') : std::string_view::npos;
+      if (quote != std::string_view::npos) {
+        fail_at_column(begin + quote + 1, "a quote within a field; quote the whole and double it");
+      }
+    }
+    if (comma >= line.size()) return;
     begin = comma + 1;
   }
+}
+
+/// Adds the field whose quote is at `begin`, its doubled quotes made single in place; returns where
+/// it ends.
+std::size_t CsvReader::unquote(std::size_t begin) {
+  std::size_t to = begin + 1;
+  for (std::size_t i = begin + 1; i < line_text_.size(); ++i, ++to) {
+    const char next = i + 1 < line_text_.size() ? line_text_[i + 1] : ',';
+    if (line_text_[i] == '"' && next == '"') {
+      ++i;
+    } else if (line_text_[i] == '"') {
+      if (next != ',') fail_at_column(i + 2, "text after a closing quote; double quotes in a name");
+      fields_.push_back(std::string_view(line_text_).substr(begin + 1, to - begin - 1));
+      return i + 1;
+    }
+    line_text_[to] = line_text_[i];
+  }
+  fail_at_column(begin + 1, "a quote that is not closed; close it in the same line");
 }
 
 std::string_view CsvReader::text(std::size_t field) const { return fields_.at(field); }

@@ -15,7 +15,8 @@
 namespace orchard::io {
 
 /// Reads comma-separated values strictly: a header line, then records with the same number of
-/// fields. No quotes, no empty lines, lines of at most kMaxLineBytes. Plain or gzip-compressed.
+/// fields. No empty lines, lines of at most kMaxLineBytes; no quotes, unless the file is one of
+/// names (RFC 4180, within a line). Plain or gzip-compressed.
 ///
 /// Every error is a FileError "file:line:column: what"; columns count characters from 1.
 class CsvReader {
@@ -24,6 +25,9 @@ class CsvReader {
 
   /// Opens the file and reads its header. Throws FileError if there is none.
   static CsvReader open(const std::string& path);
+
+  /// The same, where fields may be quoted as csv_field() does.
+  static CsvReader open_quoted(const std::string& path);
 
   /// Reads text in memory, which must outlive the reader; `name` replaces the path in messages.
   static CsvReader from_text(std::string_view text, const std::string& name);
@@ -68,12 +72,14 @@ class CsvReader {
   CsvReader(std::unique_ptr<Source> source, const std::string& name);
   bool read_line();
   void split();
+  std::size_t unquote(std::size_t begin);
 
   std::string name_;
   std::unique_ptr<Source> source_;
   std::string buffer_;
   std::size_t buffer_begin_ = 0;
   bool at_end_ = false;
+  bool has_quotes_ = false;
   std::string line_text_;
   std::int64_t line_ = 0;
   std::vector<std::string_view> fields_;

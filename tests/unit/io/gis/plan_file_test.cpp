@@ -264,8 +264,24 @@ TEST_F(PlanFile, NamesSurviveCsv) {
   const auto back = read_plan_names(names);
   EXPECT_EQ(back.at(17).row, "A, \"old\"");
   EXPECT_EQ(back.at(18).tree, "");
-  EXPECT_THROW(read_plan_names(written("bad.csv", "id,row,tree\n17,\"A,1\n")), FileError);
-  EXPECT_THROW(read_plan_names(written("two.csv", "id,row,tree\n17,A,1\n17,A,2\n")), FileError);
+  const auto says = [this](const char* line, const char* part) {
+    const std::string bad = written("bad.csv", std::string("id,row,tree\n") + line);
+    try {
+      read_plan_names(bad);
+      ADD_FAILURE() << line << " was read";
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  says("17,\"A,1\n", "bad.csv:2:4: a quote that is not closed");
+  says("17,\"A\"B,1\n", "bad.csv:2:7: text after a closing quote");
+  says("17,A\"B\",1\n", "bad.csv:2:5: a quote within a field");
+  says("17,A,1\n17,A,2\n", "bad.csv:3:1: id: occurs twice");
+  says("A,A,1\n", "bad.csv:2:1: id: must be a number");
+  says("17,\"A,B\"\n", "bad.csv:2:1: 2 fields");
+  says("", "names nothing");
+  EXPECT_EQ(read_plan_names(written("ends.csv", "id,row,tree\r\n17,\"\",\"\"\"\"\r\n")).at(17).tree,
+            "\"");
 }
 
 }  // namespace

@@ -70,8 +70,7 @@ const std::vector<GeoFormatInfo>& geo_formats() {
   static const std::vector<GeoFormatInfo> kFormats{
       {GeoFormat::kGeoPackage, "gpkg", ".gpkg", "GPKG", false, false, ""},
       {GeoFormat::kGeoJson, "geojson", ".geojson", "GeoJSON", true, true, ""},
-      {GeoFormat::kKml, "kml", ".kml", "KML", false, true,
-       "KML does not store colours by class"},
+      {GeoFormat::kKml, "kml", ".kml", "KML", false, true, "KML does not store colours by class"},
       {GeoFormat::kShapefile, "shp", ".shp.zip", "ESRI Shapefile", false, false, kShapefileLoses},
       {GeoFormat::kShapefileParts, "shp", ".shp", "ESRI Shapefile", true, false, kShapefileLoses},
       {GeoFormat::kDxf, "dxf", ".dxf", "DXF", false, false,

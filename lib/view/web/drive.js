@@ -19,11 +19,13 @@ class Drive {
     this.points = [];
     this.isMoved = false;
     this.panels = new LivePanels(byId("live"), "Picture");
-    this.panels.showConnection(true);
     this.player = new Player(this, byId("player"));
     app.painter.overlays.push((...all) => this.paint(...all));
     for (const name of ["pointerdown", "wheel"]) app.canvas.addEventListener(name, () => { this.isMoved = true; });
     this.player.update();
+    const source = new EventSource("api/stream"); // without events: it tells that the server is there
+    watchConnection(source);
+    source.addEventListener("open", () => { if (this.isDone) this.load(); }); // another server's drive reloads the page
     this.ask();
   }
 
@@ -47,7 +49,6 @@ class Drive {
       if (!answer.ok) throw new Error(String(answer.status));
       this.take(await answer.json());
     } catch (error) {
-      this.panels.showConnection(false);
       setTimeout(() => this.ask(), 2000);
       return;
     }
@@ -55,7 +56,6 @@ class Drive {
   }
 
   take(news) {
-    this.panels.showConnection(true);
     const isFirst = this.numSteps === 0;
     this.t_ms.push(...news.t); this.x.push(...news.x); this.y.push(...news.y); this.yaw.push(...news.yaw);
     this.covariance.push(...news.covariance);
@@ -169,7 +169,6 @@ class Drive {
     const step = this.step;
     try {
       const answer = await this.fetch(`api/step?at=${step}`);
-      this.panels.showConnection(true);
       if (answer.ok) {
         const reply = await answer.json();
         this.points = reply.points || [];
@@ -178,7 +177,7 @@ class Drive {
         this.app.redraw();
       }
     } catch (error) {
-      this.panels.showConnection(false);
+      // No server: the banner says so. The step is loaded when it is back.
     }
     this.isLoading = false;
     if (this.isLoadDue) { this.isLoadDue = false; this.load(); }

@@ -18,8 +18,6 @@ class Live {
   listen() {
     const source = new EventSource("api/stream");
     source.onmessage = (message) => this.take(JSON.parse(message.data));
-    source.onerror = () => this.panels.showConnection(false);
-    source.onopen = () => this.panels.showConnection(true);
     watchConnection(source);
   }
 

@@ -7,19 +7,12 @@ class LivePanels {
     this.box = box;
     box.hidden = false;
     this.picture = element("canvas", { id: "look", hidden: true });
-    this.connection = element("span", { className: "state", textContent: "connecting" });
     this.confidences = element("div", { id: "confidences" });
     this.processes = element("div", { id: "processes" });
     this.disk = element("small", {});
-    const line = element("div", { className: "live-line" }, element("strong", { textContent: title }), this.connection,
-      this.disk);
+    const line = element("div", { className: "live-line" }, element("strong", { textContent: title }), this.disk);
     box.replaceChildren(line, this.picture, this.confidences, this.processes);
     this.history = new Map(); // by process: {rates, latencies, lost}
-  }
-
-  showConnection(isThere) {
-    this.connection.textContent = isThere ? "" : "no connection to the viewer";
-    this.connection.className = isThere ? "state" : "state bad";
   }
 
   showLook(look, theme) {

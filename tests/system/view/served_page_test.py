@@ -164,6 +164,23 @@ def check_edits(page, other, served, landmarks, width, editing):
     assert who == {"Ana", pwd.getpwuid(os.geteuid()).pw_name}, who  # the page suggests the account's
 
 
+def check_lost_server(bin_folder):
+    """The page of a log whose server has ended is grey and says so, until one is back at its address."""
+    is_gone = "return document.body.classList.contains('stale') && !document.getElementById('gone').hidden"
+    is_there = "return window.orchardApp && orchardApp.drive.isDone && document.getElementById('gone').hidden"
+    with browser.Browser() as page:
+        with Served(bin_folder, "drive.lcm") as served:
+            page.open(served.url)
+            page.wait(is_there, "the mapped log", 120)
+        page.wait(is_gone, "that the server is gone")
+        assert "grayscale" in page.run("return getComputedStyle(document.getElementById('live')).filter")
+        page.run("window.isOldPage = true")
+        with Served(bin_folder, "drive.lcm", "--listen", f"127.0.0.1:{served.port}"):
+            page.wait(is_there + " && !window.isOldPage", "the other server's drive", 120)
+            assert page.run("return orchardApp.drive.numSteps") > 0
+    print("ok: the log whose server has gone")
+
+
 def smuggle_an_edit(served):
     """A request within the body of a refused one, as another site's page can send it."""
     add = json.dumps({"what": "add", "places_m": [[50, 50]]})
@@ -227,10 +244,12 @@ def main():
         info = subprocess.run([orchard, "log", "info", "drive.lcm", "--json"], check=True, capture_output=True, text=True)
         num_scans = next(c["num_messages"] for c in json.loads(info.stdout)["channels"] if c["channel"] == "SCAN")
         check_refusals(bin_folder, "map")
+        check_lost_server(bin_folder)
         for width, height in ((1280, 800), (390, 844)):
             with browser.Browser(width, height) as page:
                 with Served(bin_folder, "drive.lcm") as served:
                     check_log(page, served, num_scans, landmarks, width)
+                    page.open("about:blank")  # its console would tell that the server has gone
                 print(f"ok: the log, {width} pixels wide")
                 with browser.Browser() as other, Served(bin_folder, "map", "--edit") as served:
                     check_edits(page, other, served, landmarks, width, "map/corrections.jsonl")

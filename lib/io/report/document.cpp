@@ -88,11 +88,11 @@ std::string document_html(const Document& document) {
       "<meta http-equiv=\"Content-Security-Policy\" "
       "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n<title>" +
       markup_text(document.title) + "</title>\n<style>\n" + kStyle +
-      "</style>\n</head>\n<body>\n<h1>" + markup_text(document.title) +
+      "</style>\n</head>\n<body>\n<main>\n<h1>" + markup_text(document.title) +
       "</h1>\n<p class=\"subtitle\">" + markup_text(document.subtitle) + "</p>\n";
   HtmlWriter writer{html};
   for (const DocumentPart& part : document.parts) std::visit(writer, part);
-  return html + "</body>\n</html>\n";
+  return html + "</main>\n</body>\n</html>\n";
 }
 
 }  // namespace orchard::io

@@ -100,7 +100,7 @@ function drawLook(context, trunk, number, theme) {
 
 // Lists all confidences of each candidate, as fused in figure 4 of the paper.
 function lookTable(trunks, theme) {
-  const head = ["", "tree", "laser", "colour", "left", "right", "parallel"];
+  const head = ["#", "tree", "laser", "colour", "left", "right", "parallel"];
   const lines = trunks.map((trunk, k) => {
     const number = element("td", { textContent: String(k + 1) });
     number.style.color = theme.colourOfKind(trunk.label);

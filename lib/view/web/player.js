@@ -17,7 +17,7 @@ class Player {
     this.slider = element("input", { type: "range", id: "slider", min: 0, max: 0, step: 1, value: 0 });
     this.slider.setAttribute("aria-label", "Time in the drive");
     this.slider.addEventListener("input", () => { this.pause(); drive.show(Number(this.slider.value)); });
-    this.speed = element("select", { id: "speed", title: "Speed" },
+    this.speed = element("select", { id: "speed", title: "Speed", ariaLabel: "Speed" },
       ...kSpeeds.map((value) => element("option", { value: String(value), textContent: `${value}×`, selected: value === 1 })));
     this.words = element("span", { id: "player-words" });
     box.replaceChildren(

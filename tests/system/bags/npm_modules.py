@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""npm's packages that the tests of bags stand on, fetched once into the build folder."""
+"""npm's packages that tests stand on, fetched once into the build folder."""
 import pathlib
 import shutil
 import subprocess
@@ -14,17 +14,17 @@ def skip(why):
     sys.exit(77)
 
 
-def fetch(work):
+def fetch(work, packages=PACKAGES, tools=("node", "npm", "zstd", "lz4")):
     """The folder that holds node_modules; ends the test (77) when they cannot be had."""
-    for tool in ("node", "npm", "zstd", "lz4"):
+    for tool in tools:
         if shutil.which(tool) is None:
             skip(f"{tool} is not here")
     folder = pathlib.Path(work, "npm")
     folder.mkdir(parents=True, exist_ok=True)
-    if all((folder / "node_modules" / name.rsplit("@", 1)[0]).is_dir() for name in PACKAGES):
+    if all((folder / "node_modules" / name.rsplit("@", 1)[0]).is_dir() for name in packages):
         return folder
     fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", folder,
-                              *PACKAGES], capture_output=True, text=True)
+                              *packages], capture_output=True, text=True)
     if fetched.returncode != 0:
         skip("npm cannot fetch its packages: " + fetched.stderr.strip().splitlines()[-1])
     return folder

@@ -59,9 +59,4 @@ inline constexpr double kWalkingFactor = 3.0;
 /// Probability of being a trunk below which an object is a negative example.
 inline constexpr double kSurelyNone = 0.1;
 
-// On the photographs of cherry trunks with masks.
-
-/// Min fraction of trunk pixels in a window on a trunk.
-inline constexpr double kMinTrunkFraction = 0.6;
-
 }  // namespace orchard::calibration::tuning

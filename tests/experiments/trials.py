@@ -164,7 +164,7 @@ def photographs(lab, seeds):
     if not data.is_dir():
         raise Failed(f"there are no photographs in {data}")
     model = lab.out / "cherry.yaml"
-    lab.orchard("calibrate", "trunks", "--images", data / "images", "--masks", data / "masks", "--only", "000-019", "--out", model)
+    lab.run("evaluate_windows", "--images", data / "images", "--masks", data / "masks", "--only", "000-019", "--out", model)
 
     def area(ev, *options):
         said = lab.run("evaluate_windows", "--images", data / "images", "--masks", data / "masks", "--model", model, "--only",
@@ -244,8 +244,8 @@ def apple_trunks(lab, seeds):
     # appearance, learnt from the same trees, or from the first twenty
     def model(numbers):
         path = lab.out / "apple.yaml"
-        lab.orchard("calibrate", "trunks", "--images", folder / "images", "--masks", masks, "--only", numbers, "--config",
-                    lab.rig_file(learnt), "--out", path)
+        lab.run("evaluate_windows", "--images", folder / "images", "--masks", masks, "--only", numbers, "--config",
+                lab.rig_file(learnt), "--out", path)
         return path
 
     def area(path, numbers):

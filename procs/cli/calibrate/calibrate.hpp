@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "calibration/board/board.hpp"
-#include "cli/evaluate/mask_windows_reader.hpp"
 
 namespace orchard::cli {
 
@@ -74,7 +73,7 @@ enum class DecisionChoice {
   kProbability,  ///< weights of width and camera learnt from the drive
 };
 
-/// `orchard calibrate trunks LOG... --config IN --out OUT`, or with --images (calibrate_pictures).
+/// `orchard calibrate trunks LOG... --config IN --out OUT`.
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
@@ -82,9 +81,8 @@ struct CalibrateTrunksOptions {
   int wanted_trunks = 20;  ///< min number without a warning
   ColourChoice colour_model = ColourChoice::kAuto;
   DecisionChoice decision = DecisionChoice::kAuto;
-  std::string map_folder;         ///< a first map (a folder, or its map.csv) and ...
-  std::string ids;                ///< ... the ids of its trunks; empty: automatic
-  MaskedPictureOptions pictures;  ///< used instead of logs when it has folders
+  std::string map_folder;  ///< a first map (a folder, or its map.csv) and ...
+  std::string ids;         ///< ... the ids of its trunks; empty: automatic
   bool quiet = false;
 };
 
@@ -93,9 +91,5 @@ struct CalibrateTrunksOptions {
 /// object. Writes them into a rig's YAML, keeping its comments and layout; returns the exit code.
 /// Throws io::FileError and io::ConfigError, and then writes nothing.
 [[gnu::weak]] int run_calibrate_trunks(const CalibrateTrunksOptions& options);
-
-/// The same from pictures with masks: learns the appearance of trunks, with the hue interval of the
-/// same windows for comparison.
-int run_calibrate_pictures(const CalibrateTrunksOptions& options);
 
 }  // namespace orchard::cli

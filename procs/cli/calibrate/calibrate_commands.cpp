@@ -52,12 +52,8 @@ void declare(CLI::App& command, CalibrateDelayOptions& o) {
 }
 
 void declare(CLI::App& command, CalibrateTrunksOptions& o) {
-  add_value(command, "logs", o.log_paths, "LOG...");
-  add_value(command, "--config", o.config_path, "FILE");
-  MaskedPictureOptions& pictures = o.pictures;
-  CLI::Option* images = add_value(command, "--images", pictures.picture_folder, "DIR");
-  add_value(command, "--masks", pictures.mask_folder, "DIR")->needs(images);
-  command.add_option("--only", pictures.only)->needs(images);
+  add_required(command, "logs", o.log_paths, "LOG...");
+  add_required(command, "--config", o.config_path, "FILE");
   add_value(command, "--out", o.out_path, "FILE");
   add_checked(command, "--wanted-trunks", o.wanted_trunks, CLI::PositiveNumber);
   const std::map<std::string, ColourChoice> choices{{"auto", ColourChoice::kAuto},
@@ -76,17 +72,6 @@ void declare(CLI::App& command, CalibrateTrunksOptions& o) {
   ids->needs(map);
   map->needs(ids);
   command.add_flag("--quiet", o.quiet);
-  command.parse_complete_callback([&o] {
-    const MaskedPictureOptions& p = o.pictures;
-    if (p.picture_folder.empty()) {
-      if (o.log_paths.empty()) throw CLI::RequiredError("logs (or --images and --masks)");
-      if (o.config_path.empty()) throw CLI::RequiredError("--config");
-      return;
-    }
-    if (!o.log_paths.empty()) throw CLI::ExcludesError("--images", "logs");
-    if (p.mask_folder.empty()) throw CLI::RequiredError("--masks");
-    if (o.out_path.empty() && o.config_path.empty()) throw CLI::RequiredError("--out");
-  });
 }
 
 }  // namespace

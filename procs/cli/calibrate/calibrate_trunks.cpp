@@ -300,7 +300,6 @@ std::vector<io::ConfigValue> values_of(const calibration::TrunkModel& model) {
 }  // namespace
 
 int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
-  if (!options.pictures.picture_folder.empty()) return run_calibrate_pictures(options);
   const io::Config config = io::load_config(options.config_path);
   if (options.log_paths.empty())
     throw io::FileError("no input: give the logs of drives past trunks");

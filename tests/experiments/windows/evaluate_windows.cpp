@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// evaluate_windows --images DIR --masks DIR --model MODEL: how well a learnt appearance model tells
-// trunks from background in pictures with masks.
+// evaluate_windows --images DIR --masks DIR: learns an appearance model of trunks from pictures
+// with masks (--out RIG), or tells how well a learnt one knows trunks from background (--model
+// RIG).
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "bus/process/process.hpp"
-#include "cli/evaluate/mask_windows_reader.hpp"
+#include "calibration/trunks/appearance_learner.hpp"
+#include "calibration/trunks/trunk_model.hpp"
+#include "cli/calibrate/calibration_run.hpp"
+#include "experiments/windows/masked_pictures.hpp"
 #include "experiments/windows/window_evaluation.hpp"
 #include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 #include "vision/appearance.hpp"
 #include "vision/colour.hpp"
 
@@ -18,48 +24,63 @@ namespace orchard {
 namespace {
 
 struct Options {
-  cli::MaskedPictureOptions pictures;
-  std::string model_path;  ///< configuration with a learnt detector.appearance
-  evaluation::Disturbance disturbance;
+  std::string picture_folder, mask_folder, only;
+  std::string model_path;             ///< configuration with a learnt detector.appearance
+  std::string config_path, out_path;  ///< to learn one
+  double exposure_ev = 0.0;
 };
 
-int evaluate(const Options& options) {
-  const detection::DetectorConfig model = io::load_config(options.model_path).detector;
-  if (!model.appearance.learnt()) {
-    throw io::FileError(options.model_path +
-                        ": has no learnt detector.appearance; learn one with `orchard calibrate "
-                        "trunks --images DIR --masks DIR --out MODEL`");
+int learn(const Options& options, const std::vector<evaluation::PictureWindows>& pictures) {
+  std::vector<calibration::AppearanceSample> samples;
+  vision::HueHistogram hues;  // of the windows on trunks
+  for (const evaluation::PictureWindows& picture : pictures) {
+    for (const vision::PixelBlock& pixels : vision::learnt_exposures(picture.pixels)) {
+      for (const evaluation::LabelledWindow& labelled : picture.windows) {
+        samples.push_back({vision::appearance_features(pixels, labelled.window), labelled.is_trunk,
+                           picture.group});
+      }
+    }
+    for (const evaluation::LabelledWindow& labelled : picture.windows) {
+      if (!labelled.is_trunk) continue;
+      calibration::add(vision::hue_histogram(picture.pixels, labelled.window), hues);
+    }
   }
-  const vision::ColourConfig paper;  // the defaults are the paper's
-  std::vector<evaluation::ScoredWindow> scored;
-  const cli::PictureCount count = cli::for_each_masked_picture(
-      options.pictures, "evaluate_windows", false, [&](const cli::PictureWindows& picture) {
-        const vision::PixelBlock pixels =
-            evaluation::disturbed(picture.picture.pixels, options.disturbance);
-        vision::PixelBlock judged = pixels;
-        vision::normalise_exposure(judged);  // as the detector judges it
-        for (const calibration::LabelledWindow& labelled : picture.windows) {
-          const auto features = vision::appearance_features(judged, labelled.window);
-          const double log_odds = vision::appearance_log_odds(features, model.appearance);
-          const auto hues = vision::hue_histogram(pixels, labelled.window);
-          scored.push_back({picture.group, labelled.is_trunk, log_odds,
-                            vision::colour_confidence(hues, model.colour).roc,
-                            vision::colour_confidence(hues, paper).roc});
-        }
-      });
-  evaluation::WindowEvaluation result =
-      evaluation::evaluate_windows(scored, model.appearance.confidence_min);
-  result.num_pictures = count.used;
-  result.left_out = count.left_out;
-  std::fputs(window_json(result).c_str(), stdout);
+  calibration::AppearanceFit fit = calibration::learn_appearance(samples);
+  if (!options.config_path.empty()) {
+    const io::Config config = io::load_config(options.config_path);
+    fit.config.confidence_min = config.detector.appearance.confidence_min;
+  }
+  std::vector<io::ConfigValue> values = cli::appearance_values(fit.config);
+  const auto interval = calibration::hue_interval(hues, 0.02, 2.0);  // as of trunks from a drive
+  values.push_back({"detector.colour.hue_min_deg", fixed_text(interval.min_deg, 1)});
+  values.push_back({"detector.colour.hue_max_deg", fixed_text(interval.max_deg, 1)});
+  cli::write_rig(options.config_path, options.out_path, values, "evaluate_windows",
+                 std::to_string(pictures.size()) + " pictures with masks", true);
   return bus::kExitOk;
 }
 
-/// Adds an option that must lie in a range; its help names the default.
-template <class Value>
-void add_limit(CLI::App& app, const char* name, Value& value, Value lo, Value hi,
-               const char* what) {
-  app.add_option(name, value, what)->check(CLI::Range(lo, hi))->capture_default_str();
+int evaluate(const Options& options, const std::vector<evaluation::PictureWindows>& pictures) {
+  const detection::DetectorConfig model = io::load_config(options.model_path).detector;
+  const vision::ColourConfig paper;  // the defaults are the paper's
+  std::vector<evaluation::ScoredWindow> scored;
+  for (const evaluation::PictureWindows& picture : pictures) {
+    const vision::PixelBlock pixels = evaluation::exposed(picture.pixels, options.exposure_ev);
+    vision::PixelBlock judged = pixels;
+    vision::normalise_exposure(judged);  // as the detector judges it
+    for (const evaluation::LabelledWindow& labelled : picture.windows) {
+      const auto features = vision::appearance_features(judged, labelled.window);
+      const double log_odds = vision::appearance_log_odds(features, model.appearance);
+      const auto hues = vision::hue_histogram(pixels, labelled.window);
+      scored.push_back({picture.group, labelled.is_trunk, log_odds,
+                        vision::colour_confidence(hues, model.colour).roc,
+                        vision::colour_confidence(hues, paper).roc});
+    }
+  }
+  evaluation::WindowEvaluation result =
+      evaluation::evaluate_windows(scored, model.appearance.confidence_min);
+  result.num_pictures = static_cast<int>(pictures.size());
+  std::fputs(window_json(result).c_str(), stdout);
+  return bus::kExitOk;
 }
 
 }  // namespace
@@ -67,40 +88,21 @@ void add_limit(CLI::App& app, const char* name, Value& value, Value lo, Value hi
 
 int main(int argc, char** argv) {
   orchard::Options o;
-  orchard::cli::MaskedPictureOptions& pictures = o.pictures;
-  orchard::calibration::MaskWindowOptions& windows = pictures.windows;
-  CLI::App app{"Measures how well a learnt appearance model tells trunks from background.",
+  CLI::App app{"Learns an appearance of trunks from pictures with masks, or judges a learnt one.",
                "evaluate_windows"};
-  app.add_option("--images", pictures.picture_folder, "folder of the pictures")->required();
-  app.add_option("--masks", pictures.mask_folder,
-                 "masks of the pictures, with the same names and trunks in red")
+  app.add_option("--images", o.picture_folder, "folder of the pictures")->required();
+  app.add_option("--masks", o.mask_folder, "their masks, of the same names and trunks in red")
       ->required();
-  app.add_option("--model", o.model_path, "configuration with a learnt detector.appearance")
-      ->required();
-  app.add_option("--only", pictures.only, "numbers of the pictures to use, such as 020-118");
-  using orchard::add_limit;
-  add_limit(app, "--per-picture", windows.per_class, 1, 10000,
-            "windows of each kind (on and off trunks) per picture");
-  add_limit(app, "--aspect-min", windows.aspect_min, 0.1, 20.0,
-            "min ratio of height to width of a window");
-  add_limit(app, "--aspect-max", windows.aspect_max, 0.1, 20.0,
-            "max ratio of height to width of a window");
-  add_limit(app, "--width-scale", windows.width_scale, 0.1, 10.0,
-            "width of a window in trunk widths");
-  add_limit(app, "--scatter", windows.scatter, 0.0, 0.9,
-            "max random offset of a window, as a fraction of its width");
-  app.add_option("--seed", windows.seed, "seed of the positions of the windows");
-  add_limit(app, "--exposure", o.disturbance.exposure_ev, -8.0, 8.0,
-            "first brighten the pictures by this much [EV]");
-  add_limit(app, "--red-gain", o.disturbance.red_gain, 0.1, 10.0,
-            "first multiply red by this factor (a wrong white balance)");
-  add_limit(app, "--blue-gain", o.disturbance.blue_gain, 0.1, 10.0,
-            "first multiply blue by this factor");
-  add_limit(app, "--blur", o.disturbance.blur_px, 0.0, 100.0,
-            "first blur the pictures by this sigma [px]");
+  app.add_option("--only", o.only, "numbers of the pictures to use, such as 020-118");
+  auto* out = app.add_option("--out", o.out_path, "learn, and write this rig");
+  app.add_option("--config", o.config_path, "rig to write the model into")->needs(out);
+  app.add_option("--model", o.model_path, "rig with a learnt appearance, to judge")->excludes(out);
+  app.add_option("--exposure", o.exposure_ev, "first brighten the pictures by this much [EV]");
   CLI11_PARSE(app, argc, argv);
   try {
-    return orchard::evaluate(o);
+    const auto pictures =
+        orchard::evaluation::read_masked_pictures(o.picture_folder, o.mask_folder, o.only);
+    return o.out_path.empty() ? orchard::evaluate(o, pictures) : orchard::learn(o, pictures);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "evaluate_windows: %s\n", error.what());
     return orchard::bus::kExitInput;

@@ -2,11 +2,9 @@
 #include "experiments/windows/window_evaluation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "geometry/statistics.hpp"
@@ -14,17 +12,10 @@
 
 namespace orchard::evaluation {
 
-vision::PixelBlock disturbed(const vision::PixelBlock& pixels, const Disturbance& disturbance) {
+vision::PixelBlock exposed(const vision::PixelBlock& pixels, double exposure_ev) {
   vision::PixelBlock result = pixels;
-  if (disturbance.blur_px > 0.0) {
-    cv::Mat view(result.area.height_px, result.area.width_px, CV_8UC3, result.bgr.data());
-    cv::GaussianBlur(view, view, {0, 0}, disturbance.blur_px);
-  }
-  const double gain = std::exp2(disturbance.exposure_ev);
-  const std::array<std::array<std::uint8_t, 256>, 3> curves{
-      vision::exposure_curve(gain * disturbance.blue_gain), vision::exposure_curve(gain),
-      vision::exposure_curve(gain * disturbance.red_gain)};
-  for (std::size_t i = 0; i < result.bgr.size(); ++i) result.bgr[i] = curves[i % 3][result.bgr[i]];
+  const auto curve = vision::exposure_curve(std::exp2(exposure_ev));
+  for (std::uint8_t& value : result.bgr) value = curve[value];
   return result;
 }
 
@@ -102,8 +93,7 @@ std::string window_json(const WindowEvaluation& e) {
                                     {"windows_elsewhere", e.num_other},
                                     {"confidence_min", e.confidence_min},
                                     {"found_share", e.found_fraction},
-                                    {"false_share", e.false_fraction},
-                                    {"left_out", e.left_out}};
+                                    {"false_share", e.false_fraction}};
   return json.dump(2) + "\n";
 }
 

@@ -8,20 +8,8 @@
 
 namespace orchard::evaluation {
 
-/// A simulated change of light and camera for a picture.
-struct Disturbance {
-  double exposure_ev = 0.0;  ///< a factor of 2 in light per unit; clipped at white
-  double red_gain = 1.0;     ///< gains of the light, like a wrong white balance
-  double blue_gain = 1.0;
-  double blur_px = 0.0;  ///< standard deviation of a Gaussian blur
-
-  bool none() const {
-    return exposure_ev == 0.0 && red_gain == 1.0 && blue_gain == 1.0 && blur_px == 0.0;
-  }
-};
-
-/// Applies a disturbance to pixels; gains act on linear light (the sRGB curve is undone).
-vision::PixelBlock disturbed(const vision::PixelBlock& pixels, const Disturbance& disturbance);
+/// Brightens a picture by a factor of 2 in light per EV; clipped at white.
+vision::PixelBlock exposed(const vision::PixelBlock& pixels, double exposure_ev);
 
 /// Scores of the colour models for a window with known truth.
 struct ScoredWindow {
@@ -49,12 +37,11 @@ struct WindowEvaluation {
   AreaEstimate hue_interval;
   AreaEstimate paper_hue_interval;
   double confidence_min = 0.5;
-  double found_fraction = 0.0;        ///< of the windows on trunks with at least confidence_min
-  double false_fraction = 0.0;        ///< of the other windows
-  std::vector<std::string> left_out;  ///< unusable pictures, with reasons
+  double found_fraction = 0.0;  ///< of the windows on trunks with at least confidence_min
+  double false_fraction = 0.0;  ///< of the other windows
 };
 
-/// Evaluates scored windows. Deterministic. The caller sets num_pictures and left_out.
+/// Evaluates scored windows. Deterministic. The caller sets num_pictures.
 WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, double confidence_min);
 
 /// The results as one JSON object.

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `orchard calibrate trunks`, from drives and from pictures.
+// `orchard calibrate trunks`, and the appearance learnt from pictures.
 #include <gmock/gmock.h>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "io/config/config.hpp"
@@ -141,115 +139,14 @@ Outcome windows(const std::string& arguments, bool with_errors = false) {
   return run(arguments, with_errors, "experiments/evaluate_windows");
 }
 
-class PictureCommands : public CalibrationTest {
- protected:
-  void SetUp() override {
-    CalibrationTest::SetUp();
-    fs::create_directories(folder_ / "images");
-    fs::create_directories(folder_ / "masks");
-  }
-  /// A brown bar, as wide as `number` makes it, before grey noise.
-  void write_pair(int number) const {
-    cv::RNG random(static_cast<std::uint64_t>(number) + 1);
-    cv::Mat picture(160, 200, CV_8UC3), mask(160, 200, CV_8UC3, cv::Scalar(0, 0, 0));
-    random.fill(picture, cv::RNG::UNIFORM, 90, 150);
-    const cv::Rect trunk(60 + 5 * number, 0, 16 + number, 160);
-    cv::Mat bark = picture(trunk);
-    bark = bark.mul(cv::Scalar(0.4, 0.6, 0.9));
-    mask(trunk).setTo(cv::Scalar(0, 0, 128));
-    const std::string name = std::to_string(100 + number);
-    cv::imwrite((folder_ / "images" / (name + ".jpg")).string(), picture);
-    cv::imwrite((folder_ / "masks" / (name + ".png")).string(), mask);
-  }
-  std::string folders() const {
-    return " --images " + (folder_ / "images").string() + " --masks " +
-           (folder_ / "masks").string() + " ";
-  }
-};
-
-TEST_F(PictureCommands, LearnAModelAndTellHowGoodItIs) {
-  for (int i = 0; i < 6; ++i) write_pair(i);
-  const Outcome learnt =
-      run("calibrate trunks" + folders() + "--only 100-103 --out " + path("model.yaml"));
-  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
-  const auto model = io::load_config(path("model.yaml")).detector;
-  EXPECT_EQ(model.colour_model, detection::ColourModel::kAppearance);
-  EXPECT_TRUE(model.appearance.learnt());
-  EXPECT_THAT(text_of(path("model.yaml")), HasSubstr("4 pictures of 4 trees"));
-
-  const Outcome told = windows(folders() + "--only 104-105 --model " + path("model.yaml"));
-  ASSERT_EQ(told.exit_code, 0) << told.output;
-  const auto json = nlohmann::json::parse(told.output);
-  EXPECT_GT(json["auc"], 0.99);
-  EXPECT_EQ(json["pictures"], 2);
-  EXPECT_EQ(json["windows_on_trunks"], json["windows_elsewhere"]);
-
-  // The same pictures give the same model.
-  run("calibrate trunks" + folders() + "--only 100-103 --out " + path("again.yaml"));
-  EXPECT_EQ(text_of(path("again.yaml")), text_of(path("model.yaml")));
-}
-
-TEST_F(PictureCommands, TheRestOfARigStaysAsItWas) {
-  for (int i = 0; i < 3; ++i) write_pair(i);
-  fs::copy_file(ORCHARD_SOURCE_DIR "/config/tubes.yaml", folder_ / "rig.yaml");
-  const std::string before = text_of(path("rig.yaml"));
-  const Outcome learnt = run("calibrate trunks" + folders() + "--config " + path("rig.yaml"));
-  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
-  EXPECT_EQ(text_of(path("rig.yaml.bak")), before);
-  const auto was = io::parse_config(before, "before");
-  const auto now = io::load_config(path("rig.yaml"));
-  EXPECT_EQ(now.detector.width.mean_m, was.detector.width.mean_m);
-  EXPECT_THAT(text_of(path("rig.yaml")), HasSubstr("# The rig of the paper's"));
-  // Once more, over what it wrote itself.
-  EXPECT_EQ(run("calibrate trunks" + folders() + "--config " + path("rig.yaml")).exit_code, 0);
-}
-
-TEST_F(PictureCommands, WhatCannotBeUsedIsNamedAndCounted) {
-  for (int i = 0; i < 5; ++i) write_pair(i);
-  fs::remove(folder_ / "masks" / "101.png");
-  std::ofstream(folder_ / "images" / "102.jpg") << "no picture";
-  const Outcome learnt = run("calibrate trunks" + folders() + "--out " + path("m.yaml"));
-  ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
-  EXPECT_THAT(learnt.output, HasSubstr("101: has no mask"));
-  EXPECT_THAT(learnt.output, HasSubstr("102.jpg"));
-  const auto json = nlohmann::json::parse(windows(folders() + "--model " + path("m.yaml")).output);
-  EXPECT_EQ(json["left_out"].size(), 2u);
-  EXPECT_EQ(json["pictures"], 3);
-}
-
-TEST_F(PictureCommands, BadInputIsOneSentenceAndExitCode3) {
-  const std::string out = path("m.yaml");
-  const auto expect_refused = [&](const Outcome& outcome, const std::string& why) {
-    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
-    EXPECT_THAT(outcome.output, HasSubstr(why));
-    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
-    EXPECT_FALSE(fs::exists(out));
-  };
-  const auto refused = [&](const std::string& arguments, const std::string& why) {
-    expect_refused(run(arguments), why);
-  };
-  refused("calibrate trunks" + folders() + "--out " + out, "has no picture");
-  write_pair(0);
-  refused("calibrate trunks" + folders() + "--only 500-600 --out " + out,
-          "the numbers go from 100");
-  refused("calibrate trunks" + folders() + "--only x --out " + out, "must be picture numbers");
-  expect_refused(windows(folders() + "--model " ORCHARD_SOURCE_DIR "/config/tubes.yaml", true),
-                 "has no learnt detector.appearance");
-  expect_refused(windows(folders() + "--model " + path("none.yaml"), true), "cannot be read");
-  cv::imwrite((folder_ / "masks" / "100.png").string(), cv::Mat(10, 10, CV_8UC3, {0, 0, 128}));
-  refused("calibrate trunks" + folders() + "--out " + out,
-          "a mask must have the size of its picture");
-}
-
 /// Real trunks: learnt from the first twenty pictures, judged on all others, as they are and with
 /// four times the light, of which much is blown out.
-TEST_F(PictureCommands, CherryTrunksAreToldFromWhatSurroundsThem) {
+TEST_F(CalibrationTest, CherryTrunksAreToldFromWhatSurroundsThem) {
   const fs::path data = fs::path(ORCHARD_DATA_DIR) / "cherry_trunks";
   if (!fs::is_directory(data)) GTEST_SKIP() << data << " is not there";
   const std::string there =
       " --images " + (data / "images").string() + " --masks " + (data / "masks").string() + " ";
-  const Outcome learnt =
-      run("calibrate trunks" + there + "--quiet --only 000-019 --out " + path("model.yaml"));
+  const Outcome learnt = windows(there + "--only 000-019 --out " + path("model.yaml"));
   ASSERT_EQ(learnt.exit_code, 0) << learnt.output;
   const auto judged = [&](const std::string& light) {
     const Outcome told = windows(there + "--only 020-119 --model " + path("model.yaml") + light);

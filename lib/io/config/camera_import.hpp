@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,21 +12,18 @@ namespace orchard::io {
 
 /// A camera calibration read from another tool's file.
 struct ImportedCamera {
-  std::string kind;  ///< kind of file, for the user: "Bouguet's Calib_Results.m"
+  std::string kind;  ///< kind of file, for the user: "a ROS camera_info YAML"
   geometry::CameraIntrinsics intrinsics;
-  std::optional<std::array<double, 2>> fc_sd_px;  ///< standard deviations, if the file has them
-  std::optional<std::array<double, 2>> cc_sd_px;
 };
 
-/// Reads Bouguet's Calib_Results.m, a ROS camera_info YAML (plumb_bob), or an OpenCV FileStorage
-/// YAML (camera_matrix, distortion_coefficients, image_width, image_height).
+/// Reads a ROS camera_info YAML (plumb_bob), or an OpenCV FileStorage YAML (camera_matrix,
+/// distortion_coefficients, image_width, image_height).
 ///
 /// Throws FileError with one sentence for a file that is over 1 MB, of another kind, incomplete, or
 /// describes a lens that k1 k2 p1 p2 k3 cannot model (fisheye, rational polynomial).
 ImportedCamera read_camera_file(const std::string& path);
 
-/// Parse text instead; `name` replaces the path in messages.
-ImportedCamera parse_camera_matlab(std::string_view text, const std::string& name);
+/// Parses text instead; `name` replaces the path in messages.
 ImportedCamera parse_camera_yaml(std::string_view text, const std::string& name);
 
 /// The lens parameters as values for a rig's YAML.

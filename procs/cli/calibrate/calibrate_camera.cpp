@@ -322,16 +322,10 @@ int import_camera(const CalibrateCameraOptions& options) {
   check_size(target, imported.intrinsics, options.import_path, options.force);
   if (!options.quiet) {
     std::printf("%s: %s\n", options.import_path.c_str(), imported.kind.c_str());
-    if (imported.fc_sd_px && imported.cc_sd_px) {
-      std::printf("standard deviations stated in it: fc %.2f, %.2f px, cc %.2f, %.2f px\n",
-                  (*imported.fc_sd_px)[0], (*imported.fc_sd_px)[1], (*imported.cc_sd_px)[0],
-                  (*imported.cc_sd_px)[1]);
-    }
     print_camera(imported.intrinsics);
   }
-  std::string note = "imported from " + imported.kind + " " +
-                     std::filesystem::path(options.import_path).filename().string();
-  if (imported.fc_sd_px) note += ", sd fc " + fixed_text((*imported.fc_sd_px)[0], 2) + " px";
+  const std::string note = "imported from " + imported.kind + " " +
+                           std::filesystem::path(options.import_path).filename().string();
   write_rig_camera(target, imported.intrinsics, note, options.quiet);
   return bus::kExitOk;
 }

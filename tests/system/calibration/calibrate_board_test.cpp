@@ -195,16 +195,16 @@ TEST_F(CalibrateCamera, ABoardThatCannotBeIsOneSentence) {
 }
 
 TEST_F(CalibrateCamera, ImportsTheFilesOfOtherTools) {
-  std::ofstream(path("Calib_Results.m"))
-      << "%-- Focal length:\nfc = [ 221.5 ; 221.9 ];\n%-- Principal point:\ncc = [ 161.3 ; 118.2 ];"
-         "\nalpha_c = 0;\nkc = [ -0.105 ; 0.018 ; 0.0006 ; -0.0004 ; 0 ];\nnx = 320;\nny = 240;\n"
-         "fc_error = [ 0.3 ; 0.3 ];\n";
+  std::ofstream(path("camera.yaml"))
+      << "image_width: 320\nimage_height: 240\ndistortion_model: plumb_bob\n"
+         "camera_matrix: {data: [221.5, 0, 161.3, 0, 221.9, 118.2, 0, 0, 1]}\n"
+         "distortion_coefficients: {data: [-0.105, 0.018, 0.0006, -0.0004, 0]}\n";
   const std::string out = path("imported.yaml");
-  const Outcome outcome = calibrate("--import " + path("Calib_Results.m") + " --config " +
-                                    rig_.string() + " --out " + out);
+  const Outcome outcome =
+      calibrate("--import " + path("camera.yaml") + " --config " + rig_.string() + " --out " + out);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_lens(out);
-  EXPECT_THAT(text_of(out), HasSubstr("imported from Bouguet"));
+  EXPECT_THAT(text_of(out), HasSubstr("imported from a ROS"));
 
   std::ofstream(path("ros.yaml"))
       << "image_width: 640\nimage_height: 480\ndistortion_model: plumb_bob\n"

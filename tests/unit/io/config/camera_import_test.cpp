@@ -8,35 +8,6 @@
 namespace orchard::io {
 namespace {
 
-// As saving_calib.m of Bouguet's toolbox writes it.
-const std::string kBouguet =
-    "% Intrinsic and Extrinsic Camera Parameters\n"
-    "%\n"
-    "%-- Focal length:\n"
-    "fc = [ 657.395366400276430 ; 657.763128034706360 ];\n"
-    "\n"
-    "%-- Principal point:\n"
-    "cc = [ 302.983669002159490 ; 242.616307213742240 ];\n"
-    "\n"
-    "%-- Skew coefficient:\n"
-    "alpha_c = 0.000420000000000;\n"
-    "\n"
-    "%-- Distortion coefficients:\n"
-    "kc = [ -0.255838211 ; 0.127572222 ; -0.000208 ; 0.000033 ; 0.000000000000000 ];\n"
-    "\n"
-    "%-- Focal length uncertainty:\n"
-    "fc_error = [ 0.346906 ; 0.371098 ];\n"
-    "%-- Principal point uncertainty:\n"
-    "cc_error = [ 0.705 ; 0.645 ];\n"
-    "%-- Image size:\n"
-    "nx = 640;\n"
-    "ny = 480;\n"
-    "%-- Various other variables (may be ignored if you do not use the Matlab Calibration "
-    "Toolbox):\n"
-    "n_ima = 20;\t\t\t\t\t\t% Number of calibration images\n"
-    "est_dist = [ 1 ; 1 ; 1 ; 1 ; 0 ];\t\t\t\t\t% Selection indicator\n"
-    "omc_1 = [ 1.654e+00 ; 1.651e+00 ; -6.699e-01 ];\n";
-
 const std::string kRos =
     "image_width: 640\n"
     "image_height: 480\n"
@@ -74,52 +45,6 @@ std::string refusal(Parse parse, const std::string& text) {
     return error.what();
   }
   return "";
-}
-
-TEST(CameraImport, ReadsBouguetsResults) {
-  const ImportedCamera camera = parse_camera_matlab(kBouguet, "Calib_Results.m");
-  EXPECT_EQ(camera.intrinsics.width_px, 640);
-  EXPECT_EQ(camera.intrinsics.height_px, 480);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.fc_px[0], 657.395366400276430);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.fc_px[1], 657.763128034706360);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.cc_px[1], 242.616307213742240);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.alpha_c, 0.00042);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.kc[0], -0.255838211);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.kc[3], 0.000033);
-  ASSERT_TRUE(camera.fc_sd_px && camera.cc_sd_px);
-  EXPECT_DOUBLE_EQ((*camera.fc_sd_px)[0], 0.346906 / 3.0);  // the file has three deviations
-  EXPECT_DOUBLE_EQ((*camera.cc_sd_px)[1], 0.645 / 3.0);
-}
-
-TEST(CameraImport, ReadsMatlabAsPeopleWriteIt) {
-  const ImportedCamera camera = parse_camera_matlab(
-      "fc=[+6.0e2 6.1e2]; cc = [ 300,\n 200 ]\nkc = [0;0;0;0;0]; nx=640;ny=480 % fc = [1;1];\n"
-      "% cc = [ 0 ; 0 ];\nlabel = 'a = [b';",
-      "x.m");
-  EXPECT_DOUBLE_EQ(camera.intrinsics.fc_px[1], 610.0);
-  EXPECT_DOUBLE_EQ(camera.intrinsics.cc_px[1], 200.0);
-  EXPECT_EQ(camera.intrinsics.alpha_c, 0.0);
-  EXPECT_FALSE(camera.fc_sd_px);
-}
-
-TEST(CameraImport, RefusesMatlabThatIsNoCamera) {
-  const auto parse = parse_camera_matlab;
-  for (const auto& [from, to, words] : std::vector<std::array<std::string, 3>>{
-           {"fc = [ 657.395366400276430 ;", "fc = [ ", "\"fc\""},
-           {"cc =", "c =", "\"cc\""},
-           {"; 0.000033 ;", ";", "\"kc\""},
-           {"nx = 640", "nx = 640.5", "whole pixels"},
-           {"nx = 640", "nx = 1e300", "whole pixels"},
-           {"nx = 640", "nx = -640", "whole pixels"},
-           {"ny = 480", "ny = nan", "\"ny\""},
-           {"ny = 480", "ny = [480", "\"ny\""}}) {
-    EXPECT_NE(refusal(parse, with(kBouguet, from, to)).find(words), std::string::npos) << to;
-  }
-  for (const std::string& text :
-       {std::string(), std::string(100'000, '['), std::string(100'000, '='),
-        "fc = [" + std::string(100'000, '1'), std::string("fc\0=", 4)}) {
-    EXPECT_NE(refusal(parse, text), "");
-  }
 }
 
 TEST(CameraImport, ReadsRosAndOpenCvAlike) {

@@ -57,18 +57,13 @@ std::unique_ptr<io::CameraSource> open_source(const CameraDriverOptions& options
   if (!options.emulate.empty()) return std::make_unique<LogCamera>(options.emulate, start_utime);
   const std::string& device =
       options.device.empty() ? config.drivers.camera.device : options.device;
-  const auto after = [&device](const std::string& word) -> std::optional<std::string> {
-    if (device.compare(0, word.size(), word) != 0) return std::nullopt;
-    return device.substr(word.size());
-  };
-  if (const auto folder = after("pictures:")) {
-    return io::open_picture_folder(*folder, start_utime);
+  const std::string pictures = "pictures:";
+  if (device.compare(0, pictures.size(), pictures) == 0) {
+    return io::open_picture_folder(device.substr(pictures.size()), start_utime);
   }
-  if (const auto path = after("video:")) return io::open_video(*path, start_utime);
   if (device.empty() || device.front() != '/') {
     throw std::invalid_argument("drivers.camera.device \"" + device +
-                                "\": must be a device like /dev/video0, pictures:FOLDER or "
-                                "video:FILE");
+                                "\": must be a device like /dev/video0, or pictures:FOLDER");
   }
   const io::CameraMode mode{config.camera.intrinsics.width_px, config.camera.intrinsics.height_px,
                             config.drivers.camera.rate_hz};

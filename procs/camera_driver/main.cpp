@@ -12,8 +12,7 @@ int main(int argc, char** argv) {
       "A JPEG of the camera is passed on; it is compressed again only if it is larger than\n"
       "drivers.camera.max_bytes.";
   info.options = {
-      {"--device", "DEVICE",
-       "source: /dev/video0, pictures:FOLDER or video:FILE [drivers.camera.device]",
+      {"--device", "DEVICE", "source: /dev/video0 or pictures:FOLDER [drivers.camera.device]",
        &options.device},
       {"--emulate", "LOG", "emulate the camera: replay the pictures of this log", &options.emulate},
       {"--emulate-at", "UTIME",

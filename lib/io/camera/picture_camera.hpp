@@ -42,7 +42,4 @@ class PictureCamera : public CameraSource {
 std::unique_ptr<CameraSource> open_picture_folder(const std::string& folder,
                                                   std::int64_t start_utime);
 
-/// Opens a video that OpenCV can read, at its own frame rate. Throws FileError.
-std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t start_utime);
-
 }  // namespace orchard::io

@@ -246,16 +246,21 @@ DetectorNode::DetectorNode(const io::Config& config)
 std::vector<bus::Channel> DetectorNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kScan};
   if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
-  if ((rig_.has_camera && rig_.detector.use_odometry) || (joiner_ && has_wheels_)) {
-    channels.push_back(bus::Channel::kOdometry);
-  }
+  if (compensates_motion()) channels.push_back(bus::Channel::kOdometry);
   if (joiner_) channels.push_back(bus::Channel::kScanRear);
   levelled_.add_channels(channels);
   return channels;
 }
 
 bus::InputNeed DetectorNode::need_of(bus::Channel channel) const {
-  return channel == bus::Channel::kImu ? bus::InputNeed::kOptional : Node::need_of(channel);
+  const bool is_own = channel == bus::Channel::kOdometry && compensates_motion();
+  const bool levels_only = levelled_.reads(channel) && !is_own;
+  return levels_only ? bus::InputNeed::kOptional : Node::need_of(channel);
+}
+
+/// Whether the detector itself uses ODOMETRY, not only to level its scans.
+bool DetectorNode::compensates_motion() const {
+  return (rig_.has_camera && rig_.detector.use_odometry) || (joiner_ && has_wheels_);
 }
 
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {

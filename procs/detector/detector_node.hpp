@@ -174,6 +174,7 @@ class DetectorNode : public bus::Node {
   std::optional<double> range_noise_ratio() const { return range_noise_.ratio(); }
 
  private:
+  bool compensates_motion() const;
   void use(const bus::Message& input, const bus::Outbox& send);
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
   JudgedPair judge(const detection::ScanImagePair& pair);

@@ -239,6 +239,17 @@ void declare(CLI::App& command, ExportOptions& o) {
   command.add_flag("--json", o.json);
 }
 
+void declare(CLI::App& command, TasksOptions& o) {
+  add_required(command, "map", o.map_path, "FOLDER|CSV");
+  add_required(command, "--out", o.out_path, "FILE");
+  add_value(command, "--ticked", o.ticked_path, "FILE");
+  add_value(command, "--previous", o.previous_path, "FOLDER");
+  command.add_flag("--as-mapped", o.as_mapped);
+  command.add_flag("--overwrite", o.overwrite);
+  command.add_flag("--json", o.json);
+  add_alignment_options(command, o.alignment);
+}
+
 void declare(CLI::App& command, ImportEditsOptions& o) {
   add_required(command, "map", o.map_folder, "FOLDER");
   add_required(command, "edited", o.edited_path, "GPKG");
@@ -299,6 +310,7 @@ void add_map_commands(CLI::App& app, Run& run) {
   add_command(app, run, "report", run_report, declare);
   add_command(app, run, "publish", run_publish, declare);
   add_command(app, run, "export", run_export, declare);
+  add_command(app, run, "tasks", run_tasks, declare);
   add_command(app, run, "import-edits", run_import_edits, declare);
 }
 

@@ -9,4 +9,7 @@ namespace orchard::cli {
 /// io::FileError.
 void make_parent_folder(const std::string& file_path);
 
+/// Does not overwrite a file unless requested: throws io::FileError if it is there.
+void require_free(const std::string& file_path, bool overwrite);
+
 }  // namespace orchard::cli

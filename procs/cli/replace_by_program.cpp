@@ -36,6 +36,7 @@ constexpr Place kElsewhere[] = {
     {"orchard plan", "orchard-maps"},
     {"orchard publish", "orchard-maps"},
     {"orchard report", "orchard-maps"},
+    {"orchard tasks", "orchard-maps"},
     {"orchard view", "orchard-maps"},
 };
 

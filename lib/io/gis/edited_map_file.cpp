@@ -22,16 +22,12 @@ using Eigen::Vector2d;
 
 constexpr double kNumberMax = 2147483646.0;
 
-/// A layer's feature and the names of its fields.
+/// A feature and its layer.
 struct Entry {
   const VectorLayer& layer;
   const VectorFeature& feature;
 
-  std::string text(std::string_view name) const {
-    const auto found = std::find(layer.fields.begin(), layer.fields.end(), name);
-    if (found == layer.fields.end()) return {};
-    return feature.values[static_cast<std::size_t>(found - layer.fields.begin())];
-  }
+  std::string text(std::string_view name) const { return layer.text(feature, name); }
 };
 
 class EditedMapReader {
@@ -74,18 +70,18 @@ class EditedMapReader {
 
   void read_landmarks(const VectorLayer& layer) {
     for (const char* name : {"id", "class"}) {
-      if (std::find(layer.fields.begin(), layer.fields.end(), name) == layer.fields.end()) {
+      if (!layer.has(name)) {
         throw FileError(path_ + ": layer landmarks has no column " + name +
                         "; give the edited GeoPackage of a map");
       }
     }
-    check_crs(layer);
+    require_frame_of(layer, path_, georeference_);
     for (const VectorFeature& feature : layer.features) {
       const Entry entry{layer, feature};
       at_ = path_ + ": feature " + std::to_string(feature.number) + " of landmarks";
       mapping::EditedLandmark l;
       l.id = number(entry, "id");
-      l.p_map = place(feature);
+      l.p_map = place_in_map(feature, at_, georeference_);
       l.label = label(entry, l.id == 0);
       l.width_m = real(entry, "width_m");
       if (l.width_m > kMaxWidth_m) throw FileError(at_ + ": width_m is out of range");
@@ -103,27 +99,6 @@ class EditedMapReader {
       const std::int32_t row = number(entry, "row");
       if (row > 0) result_.map.row_names[row] = entry.text("label");
     }
-  }
-
-  void check_crs(const VectorLayer& layer) const {
-    if (layer.is_geographic == georeference_.has_value()) return;
-    throw FileError(path_ +
-                    (layer.is_geographic
-                         ? " has a position on the earth, but the map is not georeferenced"
-                         : " has no position on the earth, but the map has") +
-                    "; give a file that was exported from this map");
-  }
-
-  Vector2d place(const VectorFeature& feature) const {
-    if (feature.shape != VectorShape::kPoint) {
-      throw FileError(at_ + " is not a point; correct or delete it");
-    }
-    Vector2d p = feature.points.front();
-    if (georeference_) p = geometry::map_of(*georeference_, {p.y(), p.x()});
-    if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
-      throw FileError(at_ + " is farther away than a map can reach");
-    }
-    return p;
   }
 
   /// A newly drawn feature without class is a tree.

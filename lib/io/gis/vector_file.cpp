@@ -21,6 +21,7 @@
 #include "io/confined.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/gdal_errors.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
 namespace {
@@ -352,6 +353,37 @@ VectorFile read_vector_file(const std::string& path, const VectorFileOptions& op
   const std::uint64_t file_bytes = bytes_of(path);
   const auto read = [&] { return ConfinedReader(path, file_bytes, options).read(); };
   return file_of(read_confined(path, file_bytes, read), path);
+}
+
+bool VectorLayer::has(std::string_view field) const {
+  return std::find(fields.begin(), fields.end(), field) != fields.end();
+}
+
+std::string VectorLayer::text(const VectorFeature& feature, std::string_view field) const {
+  const auto found = std::find(fields.begin(), fields.end(), field);
+  if (found == fields.end()) return {};
+  return feature.values[static_cast<std::size_t>(found - fields.begin())];
+}
+
+void require_frame_of(const VectorLayer& layer, const std::string& path,
+                      const std::optional<geometry::Georeference>& georeference) {
+  if (layer.is_geographic == georeference.has_value()) return;
+  throw FileError(path +
+                  (layer.is_geographic
+                       ? " has a position on the earth, but the map is not georeferenced"
+                       : " has no position on the earth, but the map has") +
+                  "; give a file that was exported from this map");
+}
+
+Vector2d place_in_map(const VectorFeature& feature, const std::string& at,
+                      const std::optional<geometry::Georeference>& georeference) {
+  if (feature.shape != VectorShape::kPoint) {
+    throw FileError(at + " is not a point; correct or delete it");
+  }
+  Vector2d p = feature.points.front();
+  if (georeference) p = geometry::map_of(*georeference, {p.y(), p.x()});
+  if (p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m) return p;
+  throw FileError(at + " is farther away than a map can reach");
 }
 
 ToDegrees::ToDegrees(const std::string& crs) : transformation_(to_wgs84(*named_crs(crs))) {

@@ -5,8 +5,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "geometry/georeference.hpp"
 
 class OGRCoordinateTransformation;
 
@@ -32,7 +36,19 @@ struct VectorLayer {
   bool has_geometry = true;    ///< false: a table
   std::vector<std::string> fields;
   std::vector<VectorFeature> features;
+
+  bool has(std::string_view field) const;
+  /// The text of a feature's field; empty if there is none.
+  std::string text(const VectorFeature& feature, std::string_view field) const;
 };
+
+/// Throws FileError unless a layer of `path` has a position on the earth if the map has one.
+void require_frame_of(const VectorLayer& layer, const std::string& path,
+                      const std::optional<geometry::Georeference>& georeference);
+
+/// The point of a feature in the frame of the map. Throws FileError that begins with `at`.
+Eigen::Vector2d place_in_map(const VectorFeature& feature, const std::string& at,
+                             const std::optional<geometry::Georeference>& georeference);
 
 struct VectorFile {
   std::string driver;

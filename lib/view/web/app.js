@@ -19,6 +19,7 @@ class App {
     if (data.tiles) this.tiles = new Tiles(this);
     this.showAll();
     this.here = new Here(this);
+    this.tasks = new Tasks(this);
     let isPrinted = false;
     this.painter.overlays.push((context, view, theme) => { if (isPrinted) paintScale(context, view, theme); });
     for (const name of ["beforeprint", "afterprint"]) {

@@ -35,13 +35,6 @@ const io::GeoFormatInfo& format_of(const ExportOptions& options) {
                       " must be " + names + "; change --out");
 }
 
-/// Does not overwrite a file unless requested.
-void require_free(const ExportOptions& options, const std::string& path) {
-  std::error_code error;
-  if (options.overwrite || !std::filesystem::exists(path, error)) return;
-  throw io::FileError(path + " exists already; give another name, or --overwrite to replace it");
-}
-
 /// Writes the file, and with its name those that belong beside it.
 void write(const ExportOptions& options, io::LayerFile& file) {
   io::FileReplacement files;
@@ -49,7 +42,7 @@ void write(const ExportOptions& options, io::LayerFile& file) {
   for (const auto& [extension, bytes] : file.companions()) {
     std::filesystem::path path(options.out_path);
     path.replace_extension(extension);
-    require_free(options, path.string());
+    require_free(path.string(), options.overwrite);
     files.write(path.string(), bytes);
   }
   files.commit();
@@ -118,7 +111,7 @@ int export_for_robots(const ExportOptions& options, const io::GeoFormatInfo& for
   make_parent_folder(options.out_path);
   io::FileReplacement files;
   for (const auto& [path, text] : written) {
-    require_free(options, path.string());
+    require_free(path.string(), options.overwrite);
     files.write(path.string(), text);
     if (!options.json) std::printf("%s\n", path.c_str());
   }
@@ -134,7 +127,7 @@ int run_export(const ExportOptions& options) {
   const io::GeoFormatInfo& format = format_of(options);
   const std::filesystem::path folder = std::filesystem::path(options.out_path).parent_path();
   require_other_folder(folder.empty() ? "." : folder.string(), {options.map_path});
-  require_free(options, options.out_path);
+  require_free(options.out_path, options.overwrite);
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
   if (*format.driver == '\0') return export_for_robots(options, format, map);
   io::MapLayers layers;

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "bus/messages/channel.hpp"
 #include "bus/process/process.hpp"
 #include "cli/growers/plan_registration.hpp"
 #include "cli/maps/stored_maps.hpp"
@@ -23,35 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-io::SummaryFacts facts_of(const std::string& map_path) {
-  const auto count_of = [](bus::Channel channel) {
-    return "in_" + std::string(bus::info(channel).name);
-  };
-  return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name,
-                                count_of(bus::Channel::kScan), count_of(bus::Channel::kImage));
-}
-
 io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) {
-  io::EarlierMap earlier;
-  const MapInput before =
-      read_map_input("orchard report", options.previous_path, options.as_mapped);
-  for (const auto& [map, path] : {std::pair(&before.mapped, &options.previous_path),
-                                  std::pair(&now.mapped, &options.map_path)}) {
-    if (!map->trajectories.empty()) continue;
-    throw io::FileError(*path +
-                        " has no trajectory.csv beside it, so trees that were not observed cannot "
-                        "be distinguished from missing ones; give the map's folder");
-  }
-  const mapping::DetectionMap view_before = view_of(before.mapped, 0.0);
-  const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
-  const mapping::MapAlignment alignment =
-      register_map(before.mapped, view_before, now.mapped, view_now, options.alignment);
-  earlier.name = map_name(options.previous_path);
-  earlier.day = facts_of(options.previous_path).day;
-  earlier.landmarks = before.map.landmarks;
-  earlier.comparison = mapping::compare_maps(before.map.landmarks, now.map.landmarks, view_before,
-                                             view_now, alignment, {});
-  return earlier;
+  ComparedMaps compared =
+      compare_with_earlier("orchard report", options.previous_path, options.map_path, now,
+                           options.as_mapped, options.alignment);
+  return {map_name(options.previous_path), facts_of(options.previous_path).day,
+          std::move(compared.before.map.landmarks), std::move(compared.comparison)};
 }
 
 io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {

@@ -111,6 +111,22 @@ struct ExportOptions {
 /// io::FileError.
 [[gnu::weak]] int run_export(const ExportOptions& options);
 
+/// `orchard tasks MAP --out FILE`.
+struct TasksOptions {
+  std::string map_path;
+  std::string out_path;
+  std::string ticked_path;    ///< the tasks of before; empty: none
+  std::string previous_path;  ///< an earlier map; empty: none
+  mapping::MapAlignmentConfig alignment;
+  bool as_mapped = false;
+  bool overwrite = false;
+  bool json = false;
+};
+
+/// Writes what a map's gaps and changes call for, brought up to date with what was ticked; returns
+/// the exit code. Throws io::FileError.
+[[gnu::weak]] int run_tasks(const TasksOptions& options);
+
 /// `orchard import-edits MAP EDITED.gpkg`.
 struct ImportEditsOptions {
   std::string map_folder;

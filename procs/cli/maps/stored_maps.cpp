@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "bus/messages/channel.hpp"
 #include "geometry/point_grid.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
@@ -216,6 +217,34 @@ io::MapFolderContent content_of(const io::StoredMap& map) {
   content.trajectory = map.trajectories.front();
   content.more_trajectories.assign(map.trajectories.begin() + 1, map.trajectories.end());
   return content;
+}
+
+io::SummaryFacts facts_of(const std::string& map_path) {
+  const auto count_of = [](bus::Channel channel) {
+    return "in_" + std::string(bus::info(channel).name);
+  };
+  return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name,
+                                count_of(bus::Channel::kScan), count_of(bus::Channel::kImage));
+}
+
+ComparedMaps compare_with_earlier(const char* command, const std::string& previous_path,
+                                  const std::string& map_path, const MapInput& now, bool as_mapped,
+                                  const mapping::MapAlignmentConfig& config) {
+  ComparedMaps compared{read_map_input(command, previous_path, as_mapped), {}};
+  for (const auto& [map, path] : {std::pair(&std::as_const(compared.before.mapped), &previous_path),
+                                  std::pair(&now.mapped, &map_path)}) {
+    if (!map->trajectories.empty()) continue;
+    throw io::FileError(*path +
+                        " has no trajectory.csv beside it, so trees that were not observed cannot "
+                        "be distinguished from missing ones; give the map's folder");
+  }
+  const mapping::DetectionMap view_before = view_of(compared.before.mapped, 0.0);
+  const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
+  compared.alignment =
+      register_map(compared.before.mapped, view_before, now.mapped, view_now, config);
+  compared.comparison = mapping::compare_maps(compared.before.map.landmarks, now.map.landmarks,
+                                              view_before, view_now, compared.alignment, {});
+  return compared;
 }
 
 }  // namespace orchard::cli

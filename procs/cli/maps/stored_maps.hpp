@@ -12,6 +12,7 @@
 #include "io/map/map_folder.hpp"
 #include "io/map/stored_map.hpp"
 #include "mapping/compare/map_alignment.hpp"
+#include "mapping/compare/map_comparison.hpp"
 #include "mapping/compare/map_merging.hpp"
 
 namespace orchard::cli {
@@ -42,6 +43,22 @@ mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m);
 mapping::MapAlignment register_map(const io::StoredMap& a, const mapping::DetectionMap& view_a,
                                    const io::StoredMap& b, const mapping::DetectionMap& view_b,
                                    const mapping::MapAlignmentConfig& config);
+
+/// The facts of a map's summary.json, with the names of this program's channels.
+io::SummaryFacts facts_of(const std::string& map_path);
+
+/// An earlier map, and what became of its trees.
+struct ComparedMaps {
+  MapInput before;
+  mapping::MapAlignment alignment;      ///< a: the earlier map
+  mapping::MapComparison comparison{};  ///< of the corrected landmarks
+};
+
+/// Compares a map with an earlier one. Throws io::FileError for a map without a path, and like
+/// register_map().
+ComparedMaps compare_with_earlier(const char* command, const std::string& previous_path,
+                                  const std::string& map_path, const MapInput& now, bool as_mapped,
+                                  const mapping::MapAlignmentConfig& config);
 
 /// Data that a new map keeps from an earlier one.
 struct EarlierIdentity {

@@ -55,6 +55,8 @@ def check_pages(found, bin_folder):
     page = found.page
     page.open("file://" + os.path.abspath("map/map.html"))
     page.wait("return window.orchardApp && orchardApp.model.count > 10", "the map")
+    page.choose_file("#tasks-file", os.path.abspath("tasks.geojson"))
+    page.wait("return document.querySelectorAll('#tasks li').length > 0", "the tasks")
     found.check_map("map.html")
     page.open("file://" + os.path.abspath("report/report.html"))
     found.check("report.html")
@@ -108,6 +110,7 @@ def main():
                       "simulate --scene orchard --seed 2 --duration 40 --out second.lcm",
                       "map first.lcm --out before --quiet --no-derived",
                       "map second.lcm --previous before --out map --quiet --no-derived",
+                      "tasks map --out tasks.geojson",
                       "report map --previous before --out report"):
             subprocess.run([bin_folder + "/orchard", *words.split()], check=True, stdout=subprocess.DEVNULL)
         for width, height, dark in ((1280, 800, False), (1280, 800, True), (390, 844, False)):

@@ -34,7 +34,7 @@ class Browser:
                      f"--user-data-dir={self.profile}", f"--window-size={width},{height}"]
         if dark:
             arguments.append("--blink-settings=preferredColorScheme=0")
-        options = {"args": arguments}
+        options = {"args": arguments, "prefs": {"download.default_directory": self.profile}}
         if width < 500:  # narrower than a window can be
             options["mobileEmulation"] = {"deviceMetrics": {"width": width, "height": height, "pixelRatio": 2}}
         wanted = {"capabilities": {"alwaysMatch": {
@@ -90,6 +90,19 @@ class Browser:
         path = f"{self.session}/element/{next(iter(found.values()))}"
         self._call("POST", path + "/clear", {})
         self._call("POST", path + "/value", {"text": text})
+
+    def choose_file(self, selector, path):
+        """A file in a form, as its dialog gives it."""
+        found = self._call("POST", self.session + "/element", {"using": "css selector", "value": selector})
+        self._call("POST", f"{self.session}/element/{next(iter(found.values()))}/value", {"text": path})
+
+    def downloaded(self, name, seconds=30):
+        """The path of a file that the page saved."""
+        path, end = os.path.join(self.profile, name), time.monotonic() + seconds
+        while not os.path.exists(path):
+            assert time.monotonic() < end, name + " was not saved"
+            time.sleep(0.05)
+        return path
 
     def press(self, key):
         """A key, on what has the focus."""

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""on_foot_test.py BIN: map.html by keyboard, with a position, with a ruler, on a telephone and on paper; and
+"""on_foot_test.py BIN: map.html by keyboard, with a position, with a ruler, with tasks, on a telephone and on paper; and
 what a served page shows when its server dies. Places come from map.csv and from GDAL's latitude and longitude."""
 import csv
+import json
 import math
 import os
 import shutil
@@ -72,6 +73,33 @@ def the_ruler_measures(page, first, second):
     assert page.run("return orchardApp.selectedId") == int(first["id"])
 
 
+def tasks_are_ticked_and_come_back(page, bin_folder, folder, mapped):
+    tasks = folder + "/tasks.geojson"
+    orchard(bin_folder, "tasks", mapped, "--out", tasks)
+    page.run("document.getElementById('tasks-box').open = true")
+    page.choose_file("#tasks-file", tasks)
+    num = page.wait("return document.querySelectorAll('#tasks li').length", "the tasks")
+    with open(tasks, encoding="utf-8") as file:
+        first = json.load(file)["features"]
+    assert num == len(first) > 0, num
+    page.run("document.querySelector('#tasks li button').click()")
+    place = page.run("return [orchardApp.tasks.list[0].place, orchardApp.model.rows.flatMap((row) => row.gaps)]")
+    assert min(math.hypot(gap[1] - place[0][0], gap[2] - place[0][1]) for gap in place[1]) < 0.02, place
+    page.run("document.querySelector('#tasks li input').click()")
+    assert page.run("return document.getElementById('tasks-words').textContent") == f"{num - 1} of {num} open; not saved"
+    page.run("document.getElementById('tasks-save').click()")
+    orchard(bin_folder, "tasks", mapped, "--ticked", page.downloaded("tasks.geojson"), "--out", tasks, "--overwrite")
+    with open(tasks, encoding="utf-8") as file:
+        again = json.load(file)["features"]
+    assert [f["properties"]["state"] for f in again] == ["done"] + ["open"] * (num - 1), again
+    assert [f["geometry"] for f in again] == [f["geometry"] for f in first]
+    bad = folder + "/bad.geojson"
+    with open(bad, "w", encoding="utf-8") as file:
+        file.write('{"features": [{"properties": {"state": "<b>"}, "geometry": {"coordinates": [1]}}]}')
+    page.choose_file("#tasks-file", bad)
+    page.wait("return document.getElementById('found').textContent.startsWith('bad.geojson is not a file of tasks')", "the refusal")
+
+
 def half_of_a_telephone_shows_the_map(url, tree):
     with browser.Browser(390, 844) as page:
         page.open(url)
@@ -126,6 +154,7 @@ def main():
             enter_selects_the_tree_in_the_middle(page, trees)
             the_position_leads_to_the_next_tree(page, trees[3], places[trees[3]["id"]])
             the_ruler_measures(page, trees[0], trees[-1])
+            tasks_are_ticked_and_come_back(page, bin_folder, folder, mapped)
             assert page.errors() == [], page.errors()
         half_of_a_telephone_shows_the_map(url, trees[0])
         paper_has_map_and_legend(mapped + "/map.html", folder)

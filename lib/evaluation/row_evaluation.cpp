@@ -57,7 +57,7 @@ Beside beside(const RowLine& row, const Vector2d& p) {
 }
 
 /// The space between two rows, or beside an outermost one. A row is -1 where there is none.
-struct Alley {
+struct Aisle {
   int left = -1, right = -1;
   Vector2d along{1.0, 0.0};  ///< direction of the nearer row
 };
@@ -82,10 +82,10 @@ class Rows {
       const Vector2d middle = rows[i][rows[i].size() / 2];
       spacings_m.push_back(nearest(middle, static_cast<int>(i)).second);
     }
-    alley_m_ = geometry::median(std::move(spacings_m));
+    aisle_m_ = geometry::median(std::move(spacings_m));
   }
 
-  double alley_m() const { return alley_m_; }
+  double aisle_m() const { return aisle_m_; }
 
   double distance_m(int row, const Vector2d& p) const { return at(row, p).distance_m; }
 
@@ -100,50 +100,50 @@ class Rows {
     return best;
   }
 
-  /// The alley at a point; none on a headland and away from the rows.
-  std::optional<Alley> alley_at(const Vector2d& p) const {
+  /// The aisle at a point; none on a headland and away from the rows.
+  std::optional<Aisle> aisle_at(const Vector2d& p) const {
     const int nearest_row = nearest(p).first;
-    Alley alley;
-    alley.along = at(nearest_row, p).along;
-    double left_m = kReach * alley_m_, right_m = left_m;
+    Aisle aisle;
+    aisle.along = at(nearest_row, p).along;
+    double left_m = kReach * aisle_m_, right_m = left_m;
     bool left_between = false, right_between = false;
     for (int i = 0; i < static_cast<int>(rows_.size()); ++i) {
-      if (box(i).exteriorDistance(p) > kReach * alley_m_) continue;
+      if (box(i).exteriorDistance(p) > kReach * aisle_m_) continue;
       const Beside row = at(i, p);
-      // Rows of a block end within an alley's width of each other: beside one end is beside both.
-      if (row.beyond_m > alley_m_) continue;
-      const double side_m = row.along.dot(alley.along) >= 0.0 ? row.offset_m : -row.offset_m;
+      // Rows of a block end within an aisle's width of each other: beside one end is beside both.
+      if (row.beyond_m > aisle_m_) continue;
+      const double side_m = row.along.dot(aisle.along) >= 0.0 ? row.offset_m : -row.offset_m;
       // The row is to the right of a point that is to the row's left.
       if (side_m >= 0.0 && side_m < right_m) {
         right_m = side_m;
-        alley.right = i;
+        aisle.right = i;
         right_between = row.beyond_m == 0.0;
       } else if (side_m < 0.0 && -side_m < left_m) {
         left_m = -side_m;
-        alley.left = i;
+        aisle.left = i;
         left_between = row.beyond_m == 0.0;
       }
     }
     if (!left_between && !right_between) return std::nullopt;
-    const bool is_outside = alley.left < 0 || alley.right < 0;
-    if (is_outside && std::min(left_m, right_m) > alley_m_) return std::nullopt;
-    return alley;
+    const bool is_outside = aisle.left < 0 || aisle.right < 0;
+    if (is_outside && std::min(left_m, right_m) > aisle_m_) return std::nullopt;
+    return aisle;
   }
 
-  /// Whether a point is on the same side of the alley's rows as one in the alley.
-  bool is_in(const Alley& alley, const Vector2d& in_alley, const Vector2d& p) const {
-    for (const int row : {alley.left, alley.right}) {
+  /// Whether a point is on the same side of the aisle's rows as one in the aisle.
+  bool is_in(const Aisle& aisle, const Vector2d& in_aisle, const Vector2d& p) const {
+    for (const int row : {aisle.left, aisle.right}) {
       if (row < 0) continue;
-      const double one_m = at(row, in_alley).offset_m, other_m = at(row, p).offset_m;
+      const double one_m = at(row, in_aisle).offset_m, other_m = at(row, p).offset_m;
       if ((one_m >= 0.0) != (other_m >= 0.0)) return false;
-      const bool is_outside = alley.left < 0 || alley.right < 0;
-      if (is_outside && std::abs(other_m) > alley_m_) return false;
+      const bool is_outside = aisle.left < 0 || aisle.right < 0;
+      if (is_outside && std::abs(other_m) > aisle_m_) return false;
     }
     return true;
   }
 
  private:
-  /// derived: as in the navigation graph, rows farther apart than this many alleys have no alley.
+  /// derived: as in the navigation graph, rows farther apart than this many aisles have no aisle.
   static constexpr double kReach = 2.5;
 
   Beside at(int row, const Vector2d& p) const {
@@ -153,7 +153,7 @@ class Rows {
 
   const std::vector<RowLine>& rows_;
   std::vector<AlignedBox2d> boxes_;
-  double alley_m_ = 0.0;
+  double aisle_m_ = 0.0;
 };
 
 }  // namespace
@@ -163,7 +163,7 @@ RowEvaluation evaluate_rows(const std::vector<ComparedPose>& compared,
   const Rows rows(lines);
   RowEvaluation evaluation;
   evaluation.num_rows = static_cast<int>(lines.size());
-  evaluation.alley_m = rows.alley_m();
+  evaluation.aisle_m = rows.aisle_m();
   evaluation.num_compared = static_cast<int>(compared.size());
   std::vector<double> across_m, from_row_m, truth_from_row_m;
   const ComparedPose* wrong_since = nullptr;
@@ -178,13 +178,13 @@ RowEvaluation evaluate_rows(const std::vector<ComparedPose>& compared,
     truth_from_row_m.push_back(true_distance_m);
     from_row_m.push_back(rows.distance_m(true_row, estimate));
 
-    const std::optional<Alley> alley = rows.alley_at(truth);
-    const bool is_right = alley && rows.is_in(*alley, truth, estimate);
-    if (!alley || is_right) wrong_since = nullptr;
-    if (!alley) continue;
-    ++evaluation.num_in_alleys;
-    across_m.push_back(std::abs(left_of(alley->along).dot(estimate - truth)));
-    evaluation.num_right_alley += is_right ? 1 : 0;
+    const std::optional<Aisle> aisle = rows.aisle_at(truth);
+    const bool is_right = aisle && rows.is_in(*aisle, truth, estimate);
+    if (!aisle || is_right) wrong_since = nullptr;
+    if (!aisle) continue;
+    ++evaluation.num_in_aisles;
+    across_m.push_back(std::abs(left_of(aisle->along).dot(estimate - truth)));
+    evaluation.num_right_aisle += is_right ? 1 : 0;
     if (is_right) continue;
     if (wrong_since == nullptr) wrong_since = &pair;
     const double stay_s = 1e-6 * static_cast<double>(pair.utime - wrong_since->utime);
@@ -208,13 +208,13 @@ double share(int part, int all) { return all == 0 ? 0.0 : static_cast<double>(pa
 std::string row_summary(const RowEvaluation& e) {
   std::string text = fmt::format(
       "rows: {}, {:.2f} m apart; at {} of {} poses the robot is between or beside them\n",
-      e.num_rows, e.alley_m, e.num_in_alleys, e.num_compared);
-  if (e.num_in_alleys > 0) {
+      e.num_rows, e.aisle_m, e.num_in_aisles, e.num_compared);
+  if (e.num_in_aisles > 0) {
     text += fmt::format(
         "cross-track error there: RMS {:.3f}, median {:.3f}, 95 % {:.3f}, most {:.3f} m\n"
         "right aisle: {:.1f} % of them; longest in a wrong one: {:.1f} s, {:.1f} m\n",
         e.cross_track_m.rmse, e.cross_track_m.median, e.cross_track_95_m, e.cross_track_m.max,
-        100.0 * share(e.num_right_alley, e.num_in_alleys), e.wrong_longest_s, e.wrong_longest_m);
+        100.0 * share(e.num_right_aisle, e.num_in_aisles), e.wrong_longest_s, e.wrong_longest_m);
   }
   return text + fmt::format(
                     "nearest row right: {:.1f} % of all poses, left {} times; distance from it: "
@@ -226,14 +226,14 @@ std::string row_summary(const RowEvaluation& e) {
 
 std::string row_json(const RowEvaluation& e) {
   const nlohmann::ordered_json json{{"num_rows", e.num_rows},
-                                    {"alley_m", e.alley_m},
+                                    {"aisle_m", e.aisle_m},
                                     {"num_compared", e.num_compared},
-                                    {"num_in_alleys", e.num_in_alleys},
+                                    {"num_in_aisles", e.num_in_aisles},
                                     {"cross_track_rms_m", e.cross_track_m.rmse},
                                     {"cross_track_median_m", e.cross_track_m.median},
                                     {"cross_track_95_m", e.cross_track_95_m},
                                     {"cross_track_max_m", e.cross_track_m.max},
-                                    {"right_alley", share(e.num_right_alley, e.num_in_alleys)},
+                                    {"right_aisle", share(e.num_right_aisle, e.num_in_aisles)},
                                     {"wrong_longest_s", e.wrong_longest_s},
                                     {"wrong_longest_m", e.wrong_longest_m},
                                     {"nearest_row", share(e.num_nearest_row, e.num_compared)},

@@ -356,7 +356,7 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("wheels", c.wheels, "errors of the wheel encoders");
   v.section("gnss", c.gnss, "GNSS antenna and errors");
   v.section("imu", c.imu, "IMU of scene orchard");
-  v.section("carry", c.carry, "the robot is lifted and put down in another alley");
+  v.section("carry", c.carry, "the robot is lifted and put down in another aisle");
   v.section("change", c.change, "changes for scene orchard on a later day");
   v.section("board", c.board, "scene board: a chessboard in front of laser and camera");
 }

@@ -63,7 +63,7 @@ std::vector<Eigen::Vector2d> path_line(const std::vector<pose::PoseEstimate>& pa
 
 std::string way_json(const mapping::NavigationEdge& way, const std::vector<Eigen::Vector2d>& line) {
   return fmt::format(R"({{"kind":"{}","width":{},"line":{}}})",
-                     way.kind == mapping::EdgeKind::kAlley ? "aisle" : "headland",
+                     way.kind == mapping::EdgeKind::kAisle ? "aisle" : "headland",
                      fixed_text(way.width_m, 3), line_json(line));
 }
 

@@ -106,7 +106,7 @@ io::MapEdit edit_of(const Fields& fields) {
   edit.position = fields.integer("position");
   edit.of = fields.integer("of");
   edit.who = fields.text("who");
-  if (edit.who.empty()) edit.who = "somebody";
+  if (edit.who.empty()) edit.who = "unnamed";
   edit.note = fields.text("note");
   return edit;
 }

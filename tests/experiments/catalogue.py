@@ -339,7 +339,7 @@ EXPERIMENTS = {
     ]),
     "vineyard_rows": Experiment("Real recordings", trial=trials.vineyard_rows, rows=[
         Row("scans", "the same vineyard by its surveyed rows, as a graph of trunks by scans and wheels, after alignment, without GNSS: "
-            "APE (RMS), cross-track error (RMS, median, 95 %), right alley, longest in a wrong one; nearest row right, mean distance from it",
+            "APE (RMS), cross-track error (RMS, median, 95 %), right aisle, longest in a wrong one; nearest row right, mean distance from it",
             "published for this vineyard (arXiv 2603.10847), two drives: APE 1.07, 1.24 m by SLPF with noisy GNSS, 1.37, 3.50 by AMCL, 6.7, 9.1 by RTAB-Map; "
             "nearest row right 73 % by SLPF, 67 % by GNSS, from it 1.26, 1.40 m",
             "mount, noise, turns on it / this drive",
@@ -348,8 +348,8 @@ EXPERIMENTS = {
         Row("start start_wheels", "located in its survey of 160 points by scans and wheels, without GNSS and alignment, from a known start: with a pose, LOST, "
             "AMBIGUOUS, wrong without a warning; within 0.1, 0.5 m of the RTK track, NEES (2 if the claims are true); and by the rows as above; by wheels",
             "-", "none / this drive",
-            "The claims are too small. AMBIGUOUS where it cannot tell one vine from the next: in the first alley, and after gaps in the recording. "
-            "Started an alley beside its place it stayed a row off without a warning for 401 s, or was LOST (98b1da0f)."),
+            "The claims are too small. AMBIGUOUS where it cannot tell one vine from the next: in the first aisle, and after gaps in the recording. "
+            "Started an aisle beside its place it stayed a row off without a warning for 401 s, or was LOST (98b1da0f)."),
         Row("search", "the same without a start", "-", "none / this drive"),
     ]),
     "vineyard_again": Experiment("Real recordings", seeds=(1, 6), trial=trials.vineyard_again, rows=[

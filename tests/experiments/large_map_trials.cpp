@@ -29,10 +29,10 @@ void run(int num_trees, std::uint64_t seed) {
   const bool is_part = seed % 2 == 1;
   Drive first, second;
   first.along_max_m = second.along_max_m = length_m + 1.0;
-  first.last_alley = second.last_alley = num_rows;
+  first.last_aisle = second.last_aisle = num_rows;
   if (is_part) {
-    first.last_alley = 3 * num_rows / 4;
-    second.first_alley = num_rows / 2;
+    first.last_aisle = 3 * num_rows / 4;
+    second.first_aisle = num_rows / 2;
   }
   second.T_map_block = {dice.uniform(-500, 500), dice.uniform(-500, 500), dice.uniform(-3.1, 3.1)};
   const DrivenMap a = drive_through_large(block, first, dice);

@@ -84,11 +84,11 @@ def write_map(folder, rows, first, end, frame, dice, step_m=1.0, block=0):
             lines.append(maps.landmark(len(lines) + 1, px, py, row - first + 1, k + 1, dice.gauss(0.12, 0.01), num=60))
     length_m = max(rows[first][-1][0], rows[end - 1][-1][0])
     path = []
-    for alley in range(first, end + 1):
-        is_back = (alley - first) % 2 == 1
+    for aisle in range(first, end + 1):
+        is_back = (aisle - first) % 2 == 1
         yaw = math.remainder(frame[2] + (math.pi if is_back else 0.0), 2 * math.pi)
         for i in range(int(length_m / step_m) + 1):
-            path.append((*placed(length_m - step_m * i if is_back else step_m * i, ROW_M * (alley - 0.5)), yaw))
+            path.append((*placed(length_m - step_m * i if is_back else step_m * i, ROW_M * (aisle - 0.5)), yaw))
     maps.write_map(folder, lines, path, maps.datum(41.6 + 0.005 * (block // 10), 0.6 + 0.005 * (block % 10), 200.0, yaw_rad=0.2))
     return len(lines)
 

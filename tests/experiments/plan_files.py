@@ -60,7 +60,7 @@ def plant(dice):
         k = dice.randrange(ends[r] - 1)
         more = shift if str(first + r) == shifted else 0.0
         standing.append((None, *at(k + 0.5, r, more, dice.uniform(-0.3, 0.3))))
-    # Along each alley and outside of the first and the last row.
+    # Along each aisle and outside of the first and the last row.
     way = []
     for r in range(num_rows + 1):
         steps = range(-8, num_trees * 4 + 8)

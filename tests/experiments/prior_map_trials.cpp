@@ -92,12 +92,12 @@ void carried_trials(std::uint64_t first, std::uint64_t last) {
     pose::PoseConfig config;
     config.mode = pose::PoseMode::kPriorMap;
     config.prior_map.start = pose::PriorStart::kGiven;
-    // inside an alley, then inside another
-    const double alley_m = block.before.length_m + 6.0 + 2.0 * geometry::kPi;
-    const auto alley = static_cast<double>(random.bits() % 9);
-    const auto other = std::fmod(alley + 1.0 + static_cast<double>(random.bits() % 8), 9.0);
-    const double before_m = alley * alley_m + random.uniform(3.0, 40.0);
-    const double after_m = other * alley_m + random.uniform(3.0, block.before.length_m - 25.0);
+    // inside an aisle, then inside another
+    const double aisle_m = block.before.length_m + 6.0 + 2.0 * geometry::kPi;
+    const auto aisle = static_cast<double>(random.bits() % 9);
+    const auto other = std::fmod(aisle + 1.0 + static_cast<double>(random.bits() % 8), 9.0);
+    const double before_m = aisle * aisle_m + random.uniform(3.0, 40.0);
+    const double after_m = other * aisle_m + random.uniform(3.0, block.before.length_m - 25.0);
     const bool back = random.uniform() < 0.5;
     const Stretch before{before_m, before_m + 20.0};
     const Stretch after =
@@ -188,8 +188,8 @@ int main(int argc, char** argv) {
         "usage: prior_map_trials WHAT FIRST LAST (seeds)\n"
         "  global    start anywhere in the mapped block, 5 %% of its trees changed\n"
         "  foreign   the same with the map of another block\n"
-        "  carried   tracking, then carried to another alley\n"
-        "  tracking  all alleys and headland turns from a given start\n");
+        "  carried   tracking, then carried to another aisle\n"
+        "  tracking  all aisles and headland turns from a given start\n");
     return 2;
   }
   const std::string what = argv[1];

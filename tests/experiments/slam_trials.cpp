@@ -74,8 +74,8 @@ World park(std::uint64_t seed) {
   return world;
 }
 
-/// Eight rows, every alley driven; home by a long way round where nothing stands, on which the
-/// wheels drift by metres; then some alleys again, from another one on.
+/// Eight rows, every aisle driven; home by a long way round where nothing stands, on which the
+/// wheels drift by metres; then some aisles again, from another one on.
 World rows(std::uint64_t seed) {
   World world;
   Random random(seed, Stream::kScene);
@@ -94,7 +94,7 @@ World rows(std::uint64_t seed) {
   world.path = simulation::DrivePath({0.0, 0.0, 0.0}, 1.0);
   const double length_m = (kTrees - 1) * kTree_m + 10.0;
   constexpr double kTurn_m = 5.0;
-  const auto alleys = [&](int num, double side) {
+  const auto aisles = [&](int num, double side) {
     for (int a = 0; a < num; ++a) {
       world.path.append(length_m, 0.0);
       if (a + 1 == num) break;
@@ -103,7 +103,7 @@ World rows(std::uint64_t seed) {
     }
   };
   const auto quarter = [&] { world.path.append(0.5 * geometry::kPi * kTurn_m, 1.0 / kTurn_m); };
-  alleys(kRows - 1, 1.0);
+  aisles(kRows - 1, 1.0);
   const double last_y_m = (kRows - 2) * kRow_m;
   const double away_m = random.uniform(60.0, 120.0);
   const double again_y_m = kRow_m * std::floor(random.uniform(0.0, kRows - 3.0));
@@ -117,7 +117,7 @@ World rows(std::uint64_t seed) {
   quarter();
   world.path.append(10.0, 0.0);
   world.again_s = world.path.duration_s();
-  alleys(3, 1.0);
+  aisles(3, 1.0);
   world.range_m = 10.0;
   world.half_angle_rad = 2.09;
   world.beam_rad = 0.00613592315;

@@ -851,7 +851,7 @@ def in_rows(judged):
     """A path by the rows, and as de Silva et al. 2026 (arXiv 2603.10847) judge theirs."""
     rows = judged["rows"]
     return (f"APE {judged['ape_position_m']['rmse']:.2f} m; cross-track {rows['cross_track_rms_m']:.2f}, {rows['cross_track_median_m']:.2f}, "
-            f"{rows['cross_track_95_m']:.2f} m; right alley {100 * rows['right_alley']:.0f} %, wrong {rows['wrong_longest_s']:.0f} s, "
+            f"{rows['cross_track_95_m']:.2f} m; right aisle {100 * rows['right_aisle']:.0f} %, wrong {rows['wrong_longest_s']:.0f} s, "
             f"{rows['wrong_longest_m']:.0f} m; nearest row right {100 * rows['nearest_row']:.0f} %, from it {rows['from_row_mean_m']:.2f} m")
 
 

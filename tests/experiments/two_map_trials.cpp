@@ -241,7 +241,7 @@ using Eigen::Vector2d;
 constexpr double kHalfTurn_rad = 3.14159265358979323846;
 constexpr double kWrong_m = 0.5;  ///< an alignment that puts a tree farther off is wrong
 
-/// How the block was planted, and which alleys each robot drove.
+/// How the block was planted, and which aisles each robot drove.
 struct Case {
   const char* name;
   double planting_sd_m, width_sd_m, missing;
@@ -251,10 +251,10 @@ struct Case {
 
 constexpr Case kCases[] = {
     {"three robots, two rows in common", 0.05, 0.02, 0.08, 4, 3, 7, 6},
-    {"three robots, one alley in common", 0.05, 0.02, 0.08, 3, 3, 7, 7},
+    {"three robots, one aisle in common", 0.05, 0.02, 0.08, 3, 3, 7, 7},
     {"planted to a centimetre, widths 5 mm", 0.01, 0.005, 0.08, 4, 3, 7, 6},
     {"like a chessboard, none missing", 0.0, 0.0, 0.0, 4, 3, 7, 6},
-    {"one frame, one alley in common", 0.05, 0.02, 0.08, 3, 3, 7, 7, false},
+    {"one frame, one aisle in common", 0.05, 0.02, 0.08, 3, 3, 7, 7, false},
     {"one frame, planted to a centimetre", 0.01, 0.005, 0.08, 3, 3, 7, 7, false},
     {"nothing in common", 0.05, 0.02, 0.08, 2, 5, 6, 9},
     {"nothing in common, planted to a centimetre", 0.01, 0.005, 0.08, 2, 5, 6, 9},
@@ -273,13 +273,13 @@ struct MergeScore {
 DrivenMap drive_of(Block& block, int robot, const Case& c, Dice& dice) {
   Drive drive;
   if (robot == 0) {
-    drive.last_alley = c.last_of_first;
+    drive.last_aisle = c.last_of_first;
   } else if (robot == 1) {
-    drive.first_alley = c.first_of_second;
-    drive.last_alley = c.last_of_second;
+    drive.first_aisle = c.first_of_second;
+    drive.last_aisle = c.last_of_second;
     drive.T_map_block = {dice.uniform(-50, 50), dice.uniform(-50, 50), kHalfTurn_rad};
   } else {  // by wheels and trunks alone: bent more
-    drive.first_alley = c.first_of_third;
+    drive.first_aisle = c.first_of_third;
     drive.bend_m = 0.12;
     drive.T_map_block = {dice.uniform(-50, 50), dice.uniform(-50, 50),
                          dice.uniform(-kHalfTurn_rad, kHalfTurn_rad)};

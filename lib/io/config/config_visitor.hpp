@@ -16,7 +16,8 @@ struct ConfigKey {
   const char* name = "";
   const char* unit = "";
   const char* doc = "";
-  bool is_expert = false;  ///< --print-config shows it only with --all, or when it is not default
+  const char* former = "";  ///< the key's name in older files and logs; "": it had none
+  bool is_expert = false;   ///< --print-config shows it only with --all, or when it is not default
 };
 
 /// A list of numbers in a configuration struct: of fixed size, or resizable through `values`.
@@ -36,6 +37,12 @@ class ConfigVisitor {
   /// Marks the next key, or all keys of the next section, as expert keys.
   ConfigVisitor& expert() {
     is_next_expert_ = true;
+    return *this;
+  }
+
+  /// Gives the next key, which is no section, the name that it had before.
+  ConfigVisitor& was(const char* former) {
+    former_ = former;
     return *this;
   }
 
@@ -101,9 +108,11 @@ class ConfigVisitor {
   virtual void on_broken_check(const char* key, const char* why) = 0;
 
   ConfigKey next(const char* key, const char* unit, const char* doc) {
-    return {key, unit, doc, std::exchange(is_next_expert_, false) || is_section_expert_};
+    return {key, unit, doc, std::exchange(former_, ""),
+            std::exchange(is_next_expert_, false) || is_section_expert_};
   }
 
+  const char* former_ = "";
   bool is_next_expert_ = false;
   bool is_section_expert_ = false;
 };

@@ -82,11 +82,11 @@ class Reader : public ConfigVisitor {
   };
 
   void on_number(const ConfigKey& key, double& value, double lo, double hi) override {
-    if (const YAML::Node field = find(key.name)) read_number(field, key.name, value, lo, hi);
+    if (const YAML::Node field = find(key)) read_number(field, key.name, value, lo, hi);
   }
 
   void on_integer(const ConfigKey& key, int& value, int lo, int hi) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (!field) return;
     int parsed = 0;
     const std::string text = scalar_text(field);
@@ -102,7 +102,7 @@ class Reader : public ConfigVisitor {
   }
 
   void on_flag(const ConfigKey& key, bool& value) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (!field) return;
     const std::string text = scalar_text(field);
     if (text != "true" && text != "false") {
@@ -112,7 +112,7 @@ class Reader : public ConfigVisitor {
   }
 
   void on_text(const ConfigKey& key, std::string& value) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (!field) return;
     if (!field.IsScalar()) return refuse(field, key.name, scalar_text(field), "must be a text");
     const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
@@ -125,7 +125,7 @@ class Reader : public ConfigVisitor {
 
   void on_choice(const ConfigKey& key, int& index,
                  std::initializer_list<const char*> names) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (!field) return;
     const std::string text = scalar_text(field);
     std::string options;
@@ -142,7 +142,7 @@ class Reader : public ConfigVisitor {
   }
 
   void on_numbers(const ConfigKey& key, const NumberList& list, double lo, double hi) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (!field) return;
     const bool is_fixed = list.values == nullptr;
     const std::size_t max_size = is_fixed ? list.size : kMaxNumbers;
@@ -160,7 +160,7 @@ class Reader : public ConfigVisitor {
   }
 
   void on_section(const ConfigKey& key, const std::function<void()>& visit) override {
-    const YAML::Node field = find(key.name);
+    const YAML::Node field = find(key);
     if (field && !field.IsMap() && !field.IsNull()) {
       return refuse(field, key.name, scalar_text(field), "must be a section with keys of its own");
     }
@@ -177,10 +177,14 @@ class Reader : public ConfigVisitor {
     refuse(field ? field : section_->node, key, field ? scalar_text(field) : "(default)", why);
   }
 
-  /// The value of a key; undefined if it is not given.
-  YAML::Node find(const std::string& key) {
-    section_->known.insert(key);
-    return entry(key);
+  /// The value of a key, which may have its former name; undefined if it is not given.
+  YAML::Node find(const ConfigKey& key) {
+    section_->known.insert(key.name);
+    const YAML::Node found = entry(key.name);
+    if (found || *key.former == '\0') return found;
+    const YAML::Node former = entry(key.former);
+    if (former) section_->known.insert(key.former);
+    return former;
   }
 
   YAML::Node entry(const std::string& key) const {

@@ -206,21 +206,21 @@ void write_rows(const MapLayers& map, LayerFile& file) {
 }
 
 void write_graph(const mapping::NavigationGraph& graph, LayerFile& file) {
-  for (const auto kind : {mapping::EdgeKind::kAlley, mapping::EdgeKind::kHeadland}) {
-    const bool is_alley = kind == mapping::EdgeKind::kAlley;
+  for (const auto kind : {mapping::EdgeKind::kAisle, mapping::EdgeKind::kHeadland}) {
+    const bool is_aisle = kind == mapping::EdgeKind::kAisle;
     QgisStyle style;
     style.is_line = true;
     style.symbols = {
-        {"", is_alley ? "aisle" : "headland", is_alley ? "solid" : "dash", kBlue, 0.3}};
+        {"", is_aisle ? "aisle" : "headland", is_aisle ? "solid" : "dash", kBlue, 0.3}};
     file.begin_layer(
-        {is_alley ? "aisles" : "headlands",
+        {is_aisle ? "aisles" : "headlands",
          GeoGeometry::kLine,
-         is_alley ? "Aisles between rows, with the observed free width [m]"
+         is_aisle ? "Aisles between rows, with the observed free width [m]"
                   : "Headland paths around the ends of rows, with the observed free width [m]",
          {{"edge", GeoType::kInteger},
           {"from_node", GeoType::kInteger},
           {"to_node", GeoType::kInteger},
-          {is_alley ? "row_left" : "row", GeoType::kInteger},
+          {is_aisle ? "row_left" : "row", GeoType::kInteger},
           {"row_right", GeoType::kInteger},
           {"length_m", GeoType::kReal},
           {"width_m", GeoType::kReal}},

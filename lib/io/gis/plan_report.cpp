@@ -136,7 +136,7 @@ std::string plan_json(const StoredPlan& stored) {
   json["crs"] = stored.crs;
   json["notes"] = stored.notes;
   json["num_trees"] = stored.plan.num_trees();
-  json["alley_m"] = rounded(mapping::typical_alley_m(stored.plan), 1e-3);
+  json["aisle_m"] = rounded(mapping::typical_aisle_m(stored.plan), 1e-3);
   json["rows"] = Json::array();
   for (const mapping::PlannedRow& row : stored.plan.rows) {
     const mapping::PlannedRowFacts facts = mapping::row_facts(row);

@@ -62,7 +62,7 @@ std::string route_graph(const mapping::NavigationGraph& graph, const mapping::Ro
   RouteGraph route;
   std::map<std::int32_t, std::string> names;
   for (const mapping::NavigationEdge& edge : graph.edges) {
-    if (edge.kind != mapping::EdgeKind::kAlley) continue;
+    if (edge.kind != mapping::EdgeKind::kAisle) continue;
     const std::string row = mapping::row_name(row_names, edge.row_left, "R");
     names[edge.from] = row + "_IN";
     names[edge.to] = row + "_OUT";
@@ -72,8 +72,8 @@ std::string route_graph(const mapping::NavigationGraph& graph, const mapping::Ro
     ids[node.id] = route.add_node(node.p_map, names[node.id]);
   }
   for (const mapping::NavigationEdge& edge : graph.edges) {
-    const bool is_alley = edge.kind == mapping::EdgeKind::kAlley;
-    const Json metadata{{"kind", is_alley ? "aisle" : "headland"},
+    const bool is_aisle = edge.kind == mapping::EdgeKind::kAisle;
+    const Json metadata{{"kind", is_aisle ? "aisle" : "headland"},
                         {"row_left", edge.row_left},
                         {"row_right", edge.row_right},
                         {"width_m", edge.width_m}};

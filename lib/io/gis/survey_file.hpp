@@ -18,7 +18,7 @@ struct SurveyPoint {
   double sd_m = 0.0;  ///< of the position, on each axis; 0: not stated
 };
 
-/// Points that somebody measured, read from a file.
+/// Measured points, read from a file.
 struct StoredSurvey {
   std::string name;  ///< file name, for messages
   std::vector<SurveyPoint> points;

@@ -195,14 +195,14 @@ mapping::NavigationGraph read_graph_json(const std::string& path) {
     mapping::NavigationEdge edge;
     edge.id = entry.whole("id", 1);
     const std::string kind = entry.text("kind");
-    const bool is_alley = kind == "aisle" || kind == "alley";  // "alley" until version 0.1
-    if (!is_alley && kind != "headland") entry.fail("kind must be aisle or headland");
-    edge.kind = is_alley ? mapping::EdgeKind::kAlley : mapping::EdgeKind::kHeadland;
+    const bool is_aisle = kind == "aisle" || kind == "alley";  // "alley" until version 0.1
+    if (!is_aisle && kind != "headland") entry.fail("kind must be aisle or headland");
+    edge.kind = is_aisle ? mapping::EdgeKind::kAisle : mapping::EdgeKind::kHeadland;
     edge.from = entry.whole("from", 1);
     edge.to = entry.whole("to", 1);
     if (nodes.count(edge.from) + nodes.count(edge.to) < 2) entry.fail("an edge has no such node");
-    edge.row_left = entry.whole(is_alley ? "row_left" : "row", 0);
-    if (is_alley) edge.row_right = entry.whole("row_right", 0);
+    edge.row_left = entry.whole(is_aisle ? "row_left" : "row", 0);
+    if (is_aisle) edge.row_right = entry.whole("row_right", 0);
     edge.length_m = entry.number("length_m", 0.0, kMaxCoordinate_m);
     edge.width_m = entry.number("width_m", 0.0, kMaxCoordinate_m);
     for (const Value& p : entry.list("line")) edge.line_map.push_back(p.place());
@@ -224,14 +224,14 @@ std::string graph_json(const mapping::NavigationGraph& graph) {
   }
   json["edges"] = Json::array();
   for (const mapping::NavigationEdge& edge : graph.edges) {
-    const bool is_alley = edge.kind == mapping::EdgeKind::kAlley;
+    const bool is_aisle = edge.kind == mapping::EdgeKind::kAisle;
     Json line = Json::array();
     for (const Eigen::Vector2d& p : edge.line_map) line.push_back(place(p));
     Json entry{{"id", edge.id},
-               {"kind", is_alley ? "aisle" : "headland"},
+               {"kind", is_aisle ? "aisle" : "headland"},
                {"from", edge.from},
                {"to", edge.to}};
-    if (is_alley) {
+    if (is_aisle) {
       entry["row_left"] = edge.row_left;
       entry["row_right"] = edge.row_right;
     } else {

@@ -73,28 +73,28 @@ PlannedRowFacts row_facts(const PlannedRow& row) {
   return facts;
 }
 
-double typical_alley_m(const OrchardPlan& plan) {
+double typical_aisle_m(const OrchardPlan& plan) {
   // derived: no orchard is planted wider; a sample of positions gives the median.
-  constexpr double kWidestAlley_m = 30.0;
+  constexpr double kWidestAisle_m = 30.0;
   constexpr std::size_t kNumAsked = 2000;
   const std::vector<PlanIndex> indices = plan_indices(plan);
   const geometry::IndexedPoints places(plan.places());
   const std::size_t step = std::max<std::size_t>(1, places.size() / kNumAsked);
-  std::vector<double> alleys_m;
+  std::vector<double> aisles_m;
   for (std::size_t i = 0; i < places.size(); i += step) {
     // Expanding search radius: rows are near, and a wide search is expensive.
-    for (double reach_m = 4.0; reach_m < 2.0 * kWidestAlley_m; reach_m *= 2.0) {
+    for (double reach_m = 4.0; reach_m < 2.0 * kWidestAisle_m; reach_m *= 2.0) {
       double nearest_m = 1e300;
       for (const std::int32_t j : places.within(places[i], reach_m)) {
         if (indices[static_cast<std::size_t>(j)].row == indices[i].row) continue;
         nearest_m = std::min(nearest_m, (places[static_cast<std::size_t>(j)] - places[i]).norm());
       }
       if (nearest_m > reach_m) continue;
-      alleys_m.push_back(nearest_m);
+      aisles_m.push_back(nearest_m);
       break;
     }
   }
-  return geometry::median(std::move(alleys_m));
+  return geometry::median(std::move(aisles_m));
 }
 
 namespace {

@@ -50,7 +50,7 @@ struct PlannedRowFacts {
 PlannedRowFacts row_facts(const PlannedRow& row);
 
 /// Median distance from a tree to the nearest one of another row [m]; 0 for a single row.
-double typical_alley_m(const OrchardPlan& plan);
+double typical_aisle_m(const OrchardPlan& plan);
 
 /// A planned tree as read from a file; names may be empty.
 struct LoosePlannedTree {

@@ -201,13 +201,13 @@ class PlanMatcher {
     mapped_ = geometry::IndexedPoints(std::move(trees));
     objects_ = geometry::IndexedPoints(std::move(objects));
     spacing_m_ = geometry::typical_spacing_m(planned_);
-    alley_m_ = typical_alley_m(plan);
-    if (alley_m_ <= 0.0) alley_m_ = 2.0 * spacing_m_;
+    aisle_m_ = typical_aisle_m(plan);
+    if (aisle_m_ <= 0.0) aisle_m_ = 2.0 * spacing_m_;
     if (view.is_known()) {
       missed_ = [&view](const Vector2d& p) { return view.probability_missed(p); };
     } else {
       // Without a detection map, the ground near mapped trees counts as observed.
-      const double near_m = 1.5 * std::max(spacing_m_, alley_m_);
+      const double near_m = 1.5 * std::max(spacing_m_, aisle_m_);
       missed_ = [this, near_m](const Vector2d& p) {
         return mapped_.nearest(p, near_m) >= 0 ? 0.0 : 1.0;
       };
@@ -245,7 +245,7 @@ class PlanMatcher {
 
   /// Index of the planned position nearest to a point; -1 if it is too far from any row.
   std::int32_t nearest_place(const geometry::IndexedPoints& places, const Vector2d& p) const {
-    return places.nearest(p, std::max(alley_m_, 2.0 * spacing_m_));
+    return places.nearest(p, std::max(aisle_m_, 2.0 * spacing_m_));
   }
 
   void shift_rows(PlanMatch& match) {
@@ -379,7 +379,7 @@ class PlanMatcher {
       if (i >= 0) {
         const auto at = static_cast<std::size_t>(i);
         const Vector2d d = f.p_map - shifted_[at];
-        if (std::abs(d.dot(left_of(along_[at]))) <= 0.25 * alley_m_) {
+        if (std::abs(d.dot(left_of(along_[at]))) <= 0.25 * aisle_m_) {
           f.row = indices_[at].row;
           f.tree = indices_[at].tree - (d.dot(along_[at]) < 0.0 ? 1 : 0);
         }
@@ -409,7 +409,7 @@ class PlanMatcher {
   geometry::IndexedPoints objects_;
   std::vector<std::int32_t> tree_index_, object_index_;  ///< into landmarks_
   double spacing_m_ = 0.0;
-  double alley_m_ = 0.0;
+  double aisle_m_ = 0.0;
   MissProbability missed_;
   PlanNoise noise_;
   std::vector<Vector2d> places_;   ///< planned positions in map

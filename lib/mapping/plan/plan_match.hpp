@@ -28,7 +28,7 @@ struct RegisteredRow {
 };
 
 /// Finds the shift of a row that was planted elsewhere as a whole: up to 1.2 spacings along and
-/// less than half an alley to the side. Maximises the likelihood of trees and empty positions, with
+/// less than half an aisle to the side. Maximises the likelihood of trees and empty positions, with
 /// a prior of one shifted row in fifty. The shift is the median offset of the trees.
 RowShift shift_of_row(const RegisteredRow& row, double spacing_m, const PlanNoise& noise,
                       const MissProbability& missed);

@@ -249,8 +249,8 @@ namespace {
 
 constexpr double kWayStep_m = 0.5;  ///< derived: of an edge's points: shorter than any vehicle
 /// derived: times the median distance: one row may be missing.
-constexpr double kWidestAlley = 2.5;
-constexpr double kSideReach_m = 15.0;  ///< derived: twice the alley of a wide planting
+constexpr double kWidestAisle = 2.5;
+constexpr double kSideReach_m = 15.0;  ///< derived: twice the aisle of a wide planting
 
 Line line_of(const Row& row) {
   Line line;
@@ -333,15 +333,15 @@ int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
 }
 
 /// The longest contiguous midline between a row and its right neighbour, and their median distance.
-struct Alley {
+struct Aisle {
   std::size_t left = 0, right = 0;
   std::vector<LinePoint> middle;
   double distance_m = 0.0;
   std::int32_t from = 0, to = 0;  ///< node ids
 };
 
-Alley alley_between(const std::vector<LinePoint>& walk, const BoxedLine& right) {
-  Alley best, run;
+Aisle aisle_between(const std::vector<LinePoint>& walk, const BoxedLine& right) {
+  Aisle best, run;
   std::vector<double> distances_m, best_distances_m;
   const auto take = [&] {
     if (run.middle.size() > best.middle.size()) {
@@ -365,31 +365,31 @@ Alley alley_between(const std::vector<LinePoint>& walk, const BoxedLine& right) 
   return best;
 }
 
-std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
+std::vector<Aisle> aisles_of(const std::vector<Line>& lines) {
   std::vector<std::vector<LinePoint>> walks;
   for (const Line& line : lines) walks.push_back(sample_line(line, kWayStep_m));
   const std::vector<BoxedLine> boxed(lines.begin(), lines.end());
-  std::vector<Alley> alleys;
+  std::vector<Aisle> aisles;
   std::vector<double> distances_m;
   for (std::size_t r = 0; r < lines.size(); ++r) {
     const int q = right_neighbour(walks, boxed, r);
     if (q < 0) continue;
-    Alley alley = alley_between(walks[r], boxed[static_cast<std::size_t>(q)]);
-    if (alley.middle.size() < 2) continue;
-    alley.left = r;
-    alley.right = static_cast<std::size_t>(q);
-    distances_m.push_back(alley.distance_m);
-    alleys.push_back(std::move(alley));
+    Aisle aisle = aisle_between(walks[r], boxed[static_cast<std::size_t>(q)]);
+    if (aisle.middle.size() < 2) continue;
+    aisle.left = r;
+    aisle.right = static_cast<std::size_t>(q);
+    distances_m.push_back(aisle.distance_m);
+    aisles.push_back(std::move(aisle));
   }
-  const double alley_width_max_m = kWidestAlley * geometry::median(distances_m);
-  alleys.erase(
-      std::remove_if(alleys.begin(), alleys.end(),
-                     [&](const Alley& alley) { return alley.distance_m > alley_width_max_m; }),
-      alleys.end());
-  return alleys;
+  const double aisle_width_max_m = kWidestAisle * geometry::median(distances_m);
+  aisles.erase(
+      std::remove_if(aisles.begin(), aisles.end(),
+                     [&](const Aisle& aisle) { return aisle.distance_m > aisle_width_max_m; }),
+      aisles.end());
+  return aisles;
 }
 
-/// Path around the end of a row from one alley to the next: straight if that passes the row's end,
+/// Path around the end of a row from one aisle to the next: straight if that passes the row's end,
 /// else via a point beyond the row's last tree.
 Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end,
                const Vector2d& outwards, double beyond_m) {
@@ -399,19 +399,19 @@ Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end
   return {from, past, to};
 }
 
-/// Midline of the alley, extended at both ends by up to half its width.
-Guide guide_of(const Alley& alley) {
+/// Midline of the aisle, extended at both ends by up to half its width.
+Guide guide_of(const Aisle& aisle) {
   Guide guide;
-  guide.half_m = 0.5 * alley.distance_m;
+  guide.half_m = 0.5 * aisle.distance_m;
   guide.num_extra = static_cast<std::size_t>(std::lround(guide.half_m / kWayStep_m));
   const auto extend = [&](const LinePoint& end, double outwards, std::size_t k) {
     const double beyond_m =
         outwards * guide.half_m * static_cast<double>(k) / static_cast<double>(guide.num_extra);
     guide.stations.push_back({end.p + beyond_m * end.along, end.along});
   };
-  for (std::size_t k = guide.num_extra; k > 0; --k) extend(alley.middle.front(), -1.0, k);
-  guide.stations.insert(guide.stations.end(), alley.middle.begin(), alley.middle.end());
-  for (std::size_t k = 1; k <= guide.num_extra; ++k) extend(alley.middle.back(), 1.0, k);
+  for (std::size_t k = guide.num_extra; k > 0; --k) extend(aisle.middle.front(), -1.0, k);
+  guide.stations.insert(guide.stations.end(), aisle.middle.begin(), aisle.middle.end());
+  for (std::size_t k = 1; k <= guide.num_extra; ++k) extend(aisle.middle.back(), 1.0, k);
   return guide;
 }
 
@@ -424,15 +424,15 @@ class GraphBuilder {
   }
 
   NavigationGraph build() {
-    std::vector<Alley> alleys = alleys_of(lines_);
-    alleys.erase(std::remove_if(alleys.begin(), alleys.end(),
-                                [this](Alley& alley) { return !add_alley(alley); }),
-                 alleys.end());
-    for (const Alley& alley : alleys) {
-      for (const Alley& next : alleys) {
-        if (next.left != alley.right) continue;
-        add_headland(alley, next, false);
-        add_headland(alley, next, true);
+    std::vector<Aisle> aisles = aisles_of(lines_);
+    aisles.erase(std::remove_if(aisles.begin(), aisles.end(),
+                                [this](Aisle& aisle) { return !add_aisle(aisle); }),
+                 aisles.end());
+    for (const Aisle& aisle : aisles) {
+      for (const Aisle& next : aisles) {
+        if (next.left != aisle.right) continue;
+        add_headland(aisle, next, false);
+        add_headland(aisle, next, true);
       }
     }
     return std::move(graph_);
@@ -456,29 +456,29 @@ class GraphBuilder {
   }
 
   /// Returns false if there is no free corridor.
-  bool add_alley(Alley& alley) {
-    auto corridor = free_corridor(guide_of(alley), obstacles_, seen_free_);
+  bool add_aisle(Aisle& aisle) {
+    auto corridor = free_corridor(guide_of(aisle), obstacles_, seen_free_);
     if (!corridor) return false;
-    alley.from = add_node(corridor->line.front());
-    alley.to = add_node(corridor->line.back());
+    aisle.from = add_node(corridor->line.front());
+    aisle.to = add_node(corridor->line.back());
     NavigationEdge edge;
-    edge.kind = EdgeKind::kAlley;
-    edge.from = alley.from;
-    edge.to = alley.to;
-    edge.row_left = rows_[alley.left].number;
-    edge.row_right = rows_[alley.right].number;
+    edge.kind = EdgeKind::kAisle;
+    edge.from = aisle.from;
+    edge.to = aisle.to;
+    edge.row_left = rows_[aisle.left].number;
+    edge.row_right = rows_[aisle.right].number;
     add_edge(std::move(edge), *std::move(corridor));
     return true;
   }
 
-  void add_headland(const Alley& alley, const Alley& next, bool at_end) {
-    const Line& row = lines_[alley.right];
-    const double beyond_m = 0.25 * (alley.distance_m + next.distance_m);
+  void add_headland(const Aisle& aisle, const Aisle& next, bool at_end) {
+    const Line& row = lines_[aisle.right];
+    const double beyond_m = 0.25 * (aisle.distance_m + next.distance_m);
     NavigationEdge edge;
     edge.kind = EdgeKind::kHeadland;
-    edge.from = at_end ? alley.to : alley.from;
+    edge.from = at_end ? aisle.to : aisle.from;
     edge.to = at_end ? next.to : next.from;
-    edge.row_left = rows_[alley.right].number;
+    edge.row_left = rows_[aisle.right].number;
     const Vector2d outwards =
         at_end ? Vector2d(row.back() - row[row.size() - 2]) : Vector2d(row.front() - row[1]);
     Guide guide;

@@ -77,9 +77,9 @@ struct Guide {
 std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obstacles,
                                       const FreeSpaceTest& seen_free);
 
-enum class EdgeKind : std::int8_t { kAlley, kHeadland };
+enum class EdgeKind : std::int8_t { kAisle, kHeadland };
 
-/// A node of the navigation graph: the end of an alley, on the headland.
+/// A node of the navigation graph: the end of an aisle, on the headland.
 struct NavigationNode {
   std::int32_t id = 0;  ///< from 1
   Eigen::Vector2d p_map{0, 0};
@@ -88,10 +88,10 @@ struct NavigationNode {
 /// An edge that a vehicle can follow in both directions.
 struct NavigationEdge {
   std::int32_t id = 0;  ///< from 1
-  EdgeKind kind = EdgeKind::kAlley;
-  std::int32_t from = 0, to = 0;  ///< node ids; an alley runs in the direction of rising positions
-  std::int32_t row_left = 0;      ///< row left of the alley; of a headland, the row it goes around
-  std::int32_t row_right = 0;     ///< row right of the alley; 0 for a headland
+  EdgeKind kind = EdgeKind::kAisle;
+  std::int32_t from = 0, to = 0;  ///< node ids; an aisle runs in the direction of rising positions
+  std::int32_t row_left = 0;      ///< row left of the aisle; of a headland, the row it goes around
+  std::int32_t row_right = 0;     ///< row right of the aisle; 0 for a headland
   double length_m = 0.0;
   double width_m = 0.0;  ///< free width at the narrowest point
   std::vector<Eigen::Vector2d> line_map;
@@ -99,16 +99,16 @@ struct NavigationEdge {
 
 struct NavigationGraph {
   std::vector<NavigationNode> nodes;
-  std::vector<NavigationEdge> edges;  ///< alleys from the left, then headlands
+  std::vector<NavigationEdge> edges;  ///< aisles from the left, then headlands
 };
 
-/// Builds the navigation graph: alleys between neighbouring rows and headland paths around the
+/// Builds the navigation graph: aisles between neighbouring rows and headland paths around the
 /// rows' ends.
 ///
 /// Each edge is the line with the largest clearance from all landmarks on ground that was observed
-/// free; edges narrower than 2 kHalfCorridorMin_m are omitted. There are no alleys between rows
+/// free; edges narrower than 2 kHalfCorridorMin_m are omitted. There are no aisles between rows
 /// farther apart than 2.5 times the median distance, nor outside the outermost rows, where free
-/// ground is unknown. Alleys extend beyond the rows' ends by up to half their width. Without
+/// ground is unknown. Aisles extend beyond the rows' ends by up to half their width. Without
 /// `seen_free` only the landmarks count.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
                                  const std::vector<Row>& rows, const FreeSpaceTest& seen_free = {});

@@ -301,7 +301,7 @@ class ClutterBuilder {
     }
   }
 
-  /// Adds a person who crosses 4 to 8 m ahead of the robot or walks along the alley there; or walks
+  /// Adds a person who crosses 4 to 8 m ahead of the robot or walks along the aisle there; or walks
   /// in the robot's direction beside or behind it; or stands until the robot has passed.
   void add_person(int index) {
     Random random(seed_, Stream::kPeople, static_cast<std::uint64_t>(index));
@@ -335,7 +335,7 @@ class ClutterBuilder {
     }
   }
 
-  /// Adds a vehicle that stands ahead in an alley and leaves when the robot is 5 m away.
+  /// Adds a vehicle that stands ahead in an aisle and leaves when the robot is 5 m away.
   void add_vehicle(int index) {
     Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {

@@ -19,14 +19,14 @@ class OrchardPathBuilder {
         config_(config),
         carry_(carry),
         row_length_m_((config.trees_per_row - 1) * config.tree_spacing_m),
-        num_alleys_(std::max(1, config.num_rows - 1)),
+        num_aisles_(std::max(1, config.num_rows - 1)),
         path_({0.0, 0.0, geometry::kPi / 2.0}, config.speed_mps) {}
 
   DrivePath build() {
     // One lap more than needed, so that the drive can start anywhere on a lap.
     const int num_laps = std::max(1, config_.laps) + (config_.start_anywhere ? 1 : 0);
     for (int lap = 0; lap < num_laps; ++lap) {
-      drive_alleys();
+      drive_aisles();
       if (config_.laps > 0) return_to_start();
     }
     double begin_m = 0.0;
@@ -40,7 +40,7 @@ class OrchardPathBuilder {
   }
 
  private:
-  struct Alley {
+  struct Aisle {
     double begin_m;
     double length_m;
     int number;  ///< from 0
@@ -48,30 +48,30 @@ class OrchardPathBuilder {
 
   double bottom_y_m() const { return kRowsBegin_m - config_.headland_m; }
 
-  void drive_alleys() {
+  void drive_aisles() {
     const double straight_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
     const double between_m = row_length_m_ + 2.0 * config_.headland_m;
-    const double curvature = 2.0 / config_.row_spacing_m;  // half circles from alley to alley
-    for (int alley = 0; alley < num_alleys_; ++alley) {
-      const double length_m = alley == 0 ? straight_m : between_m;
+    const double curvature = 2.0 / config_.row_spacing_m;  // half circles from aisle to aisle
+    for (int aisle = 0; aisle < num_aisles_; ++aisle) {
+      const double length_m = aisle == 0 ? straight_m : between_m;
       const double begin_m = path_.length_m();
-      drive_alley(length_m);
-      alleys_.push_back({begin_m, path_.length_m() - begin_m, alley});
-      if (alley + 1 < num_alleys_) {
-        const double side = alley % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
+      drive_aisle(length_m);
+      aisles_.push_back({begin_m, path_.length_m() - begin_m, aisle});
+      if (aisle + 1 < num_aisles_) {
+        const double side = aisle % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
         path_.append(geometry::kPi / curvature, side * curvature);
       }
     }
   }
 
-  /// Returns along the headland and, after an odd number of alleys, down the outer side of the
+  /// Returns along the headland and, after an odd number of aisles, down the outer side of the
   /// first row.
   void return_to_start() {
     const double radius_m = 0.5 * config_.row_spacing_m;
     const double quarter_m = 0.5 * geometry::kPi * radius_m;
-    const double last_x_m = (num_alleys_ - 1) * config_.row_spacing_m;
+    const double last_x_m = (num_aisles_ - 1) * config_.row_spacing_m;
     const double turn_y_m = std::min(0.0, bottom_y_m());
-    if (num_alleys_ % 2 == 1) {
+    if (num_aisles_ % 2 == 1) {
       const double top_y_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
       path_.append(quarter_m, 1.0 / radius_m);
       path_.append(last_x_m + config_.row_spacing_m - 2.0 * radius_m, 0.0);
@@ -89,7 +89,7 @@ class OrchardPathBuilder {
 
   /// Appends a straight line, or a weaving path with yaw a sin(2 pi t / period) that ends at the
   /// same point.
-  void drive_alley(double length_m) {
+  void drive_aisle(double length_m) {
     if (config_.weave_radps <= 0.0) return path_.append(length_m, 0.0);
     const double rate = 2.0 * geometry::kPi / config_.weave_period_s;
     const double most_rad = config_.weave_radps / rate;
@@ -109,35 +109,35 @@ class OrchardPathBuilder {
     }
   }
 
-  /// Carries the robot to another alley on the same lap, with most of that alley still ahead.
+  /// Carries the robot to another aisle on the same lap, with most of that aisle still ahead.
   void carry_away(double begin_m) {
     const double lifted_m = path_.way_at(carry_.at_s);
-    const int num_laps = static_cast<int>(alleys_.size()) / num_alleys_;
+    const int num_laps = static_cast<int>(aisles_.size()) / num_aisles_;
     const double lap_m = path_.length_m() / num_laps;
     const auto lap =
         static_cast<std::size_t>(std::clamp(static_cast<int>(lifted_m / lap_m), 0, num_laps - 1));
     Random random(seed_, Stream::kCarry);
-    std::vector<Alley> others;
-    for (int i = 0; i < num_alleys_; ++i) {
-      const Alley& alley = alleys_[lap * static_cast<std::size_t>(num_alleys_) + i];
-      const bool here = lifted_m >= alley.begin_m && lifted_m < alley.begin_m + alley.length_m;
-      const bool wanted = carry_.to_alley == 0 || carry_.to_alley == alley.number + 1;
-      if (!here && wanted && alley.begin_m > begin_m) others.push_back(alley);
+    std::vector<Aisle> others;
+    for (int i = 0; i < num_aisles_; ++i) {
+      const Aisle& aisle = aisles_[lap * static_cast<std::size_t>(num_aisles_) + i];
+      const bool here = lifted_m >= aisle.begin_m && lifted_m < aisle.begin_m + aisle.length_m;
+      const bool wanted = carry_.to_aisle == 0 || carry_.to_aisle == aisle.number + 1;
+      if (!here && wanted && aisle.begin_m > begin_m) others.push_back(aisle);
     }
     if (others.empty()) return;
     const auto chosen = static_cast<std::size_t>(random.uniform() * others.size());
-    const Alley& alley = others[chosen];
+    const Aisle& aisle = others[chosen];
     path_.carry(carry_.at_s, carry_.for_s,
-                alley.begin_m + random.uniform(0.1, 0.5) * alley.length_m);
+                aisle.begin_m + random.uniform(0.1, 0.5) * aisle.length_m);
   }
 
   std::uint64_t seed_;
   const OrchardConfig& config_;
   const CarryConfig& carry_;
   double row_length_m_;
-  int num_alleys_;
+  int num_aisles_;
   DrivePath path_;
-  std::vector<Alley> alleys_;
+  std::vector<Aisle> aisles_;
 };
 
 class OrchardSceneBuilder {
@@ -165,7 +165,7 @@ class OrchardSceneBuilder {
   }
 
  private:
-  /// The first alley is map x = 0.
+  /// The first aisle is map x = 0.
   double row_x_m(int row) const { return (row - 0.5) * config_.row_spacing_m; }
 
   void add_row(int row) {

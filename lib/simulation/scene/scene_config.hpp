@@ -3,11 +3,11 @@
 
 namespace orchard::simulation {
 
-/// The robot is lifted over the trees and set down in another alley. Section `simulation.carry`.
+/// The robot is lifted over the trees and set down in another aisle. Section `simulation.carry`.
 struct CarryConfig {
   double at_s = 0.0;
   double for_s = 0.0;
-  int to_alley = 0;
+  int to_aisle = 0;
   bool odometry = true;
 };
 
@@ -15,8 +15,9 @@ template <class Visitor>
 void describe(Visitor& v, CarryConfig& c) {
   v.number("at_s", c.at_s, 0, 1e6, "s", "time at which the robot is lifted; 0 = never");
   v.number("for_s", c.for_s, 0, 1e6, "s", "time until it is put down; 0 = never");
-  v.integer("to_alley", c.to_alley, 0, 1000, "1",
-            "alley in which it is put down, from 1; 0 = any other alley");
+  v.was("to_alley")
+      .integer("to_aisle", c.to_aisle, 0, 1000, "1",
+               "aisle in which it is put down, from 1; 0 = any other aisle");
   v.flag("odometry", c.odometry, "ODOMETRY continues meanwhile, with standing wheels");
 }
 
@@ -72,7 +73,7 @@ void describe(Visitor& v, ClutterConfig& c) {
          "two of three people walk beside or behind the robot, or stand until it has passed");
   v.number("person_speed_mps", c.person_speed_mps, 0.1, 3, "m/s", "speed of the people");
   v.integer("num_vehicles", c.num_vehicles, 0, 100, "1",
-            "number of vehicles that stand in an alley and drive off ahead of the robot");
+            "number of vehicles that stand in an aisle and drive off ahead of the robot");
   v.flag("row_end_hedges", c.row_end_hedges, "hedges beyond both ends of the rows");
   v.number("foliage", c.foliage, 0, 1, "1", "fraction of a crown filled by leaves; 0 = no crowns");
   v.number("reflector_tree_fraction", c.reflector_tree_fraction, 0, 1, "1",
@@ -311,7 +312,7 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "speed of the robot");
   v.number("headland_m", c.headland_m, 0.5, 50, "m", "distance driven beyond a row before turning");
   v.integer("laps", c.laps, 0, 1000, "1",
-            "laps through all alleys and back to the start; 0 = only to the end of the last alley");
+            "laps through all aisles and back to the start; 0 = only to the end of the last aisle");
   v.flag("start_anywhere", c.start_anywhere, "start at a random position of the lap; needs laps");
   v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "rate of POSE_FIX; 0 = none");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",

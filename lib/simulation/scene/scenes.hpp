@@ -24,7 +24,7 @@ std::vector<int> count_pairs(const Scene& scene, const RigConfig& rig, double ra
 
 inline constexpr double kRowsBegin_m = 4.0;  ///< from the robot's start to the first trees, map y
 
-/// Makes the path through an orchard: up and down every alley from the map's origin, with half
+/// Makes the path through an orchard: up and down every aisle from the map's origin, with half
 /// circles beyond the ends of the rows. With `laps` it returns along the headland to the origin and
 /// repeats; only then `start_anywhere` and section `carry` take effect.
 DrivePath make_orchard_path(std::uint64_t seed, const OrchardConfig& config,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRowSpacing_m = 4.0;
 constexpr double kTreeSpacing_m = 2.5;
-constexpr int kRows = 6;  ///< along map y; the first alley driven is map x = 0
+constexpr int kRows = 6;  ///< along map y; the first aisle driven is map x = 0
 constexpr int kTreesPerRow = 20;
 constexpr double kBlockBegin_m = 10.0;
 constexpr double kMissingFraction = 0.1;
@@ -27,10 +27,10 @@ constexpr double kClear_m = 2.5;  ///< min distance of a scattered tree or a cra
 
 using Places = std::vector<Eigen::Vector2d>;
 
-/// The corners of the path: alleys of the block up and down, and rings of several sizes around shed
+/// The corners of the path: aisles of the block up and down, and rings of several sizes around shed
 /// and block, some driven in both directions.
 Places corners() {
-  return {// up the middle alley, around the block's north, between block hedge and shed, home
+  return {// up the middle aisle, around the block's north, between block hedge and shed, home
           {0, 0},
           {0, 68},
           {30, 72},
@@ -40,7 +40,7 @@ Places corners() {
           {97, 8},
           {40, 8},
           {16, -6},
-          // up the alley beside it, the large ring along the outer hedges
+          // up the aisle beside it, the large ring along the outer hedges
           {4, -4},
           {4, 66},
           {16, 78},
@@ -67,7 +67,7 @@ Places corners() {
           {32, 10},
           {14, -4},
           {0, -4},
-          // and the middle alley once more
+          // and the middle aisle once more
           {0, 68},
           {-16, 70},
           {-16, -8}};

@@ -86,7 +86,7 @@ std::optional<evaluation::RowEvaluation> judge_rows(
                         "in; give a map or survey of the whole block");
   }
   const evaluation::RowEvaluation judged = evaluation::evaluate_rows(evaluation.compared, rows);
-  if (judged.num_compared > 0 && judged.num_in_alleys == 0) {
+  if (judged.num_compared > 0 && judged.num_in_aisles == 0) {
     throw io::FileError(options.truth_path + " is never between or beside the rows of " +
                         options.rows_path +
                         "; both must be of one block and in one frame, in metres, x and y in this "

@@ -47,7 +47,7 @@ void require_folder(const std::string& folder) {
 std::string person() {
   const passwd* user = ::getpwuid(::geteuid());
   const std::string who = user == nullptr ? "" : user->pw_name;
-  return who.empty() || !io::is_correction_text(who) ? "somebody" : who;
+  return who.empty() || !io::is_correction_text(who) ? "unnamed" : who;
 }
 
 int run_edit(const EditOptions& options) {

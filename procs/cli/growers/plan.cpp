@@ -181,7 +181,7 @@ namespace {
 void print_plan(const io::StoredPlan& plan) {
   std::printf("%s: %s, %s: %zu rows, %zu trees, rows %.2f m apart%s\n", plan.name.c_str(),
               plan.format.c_str(), plan.crs.c_str(), plan.plan.rows.size(), plan.plan.num_trees(),
-              mapping::typical_alley_m(plan.plan), plan.georeference ? "" : "; not georeferenced");
+              mapping::typical_aisle_m(plan.plan), plan.georeference ? "" : "; not georeferenced");
   std::printf(
       "\n"
       "     row  trees  first ... last      length_m  spacing_m (min, max)\n");

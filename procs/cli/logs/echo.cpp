@@ -31,7 +31,7 @@ std::string text_of(vision::Encoding encoding) {
   return kNames[static_cast<int>(encoding)];
 }
 std::string text_of(mapping::EdgeKind kind) {
-  return kind == mapping::EdgeKind::kAlley ? "aisle" : "headland";
+  return kind == mapping::EdgeKind::kAisle ? "aisle" : "headland";
 }
 
 std::string text_of(bus::Level level) {

@@ -106,7 +106,7 @@ mrpt::obs::CObservation::Ptr scan_of(const DriveStep& step) {
 }  // namespace
 
 RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
-  // as near to square as a block is, with an alley at least
+  // as near to square as a block is, with an aisle at least
   const int rows = std::max(2, static_cast<int>(std::lround(std::sqrt(num_trees / 2.0))));
   const int trees_per_row = static_cast<int>(std::ceil(static_cast<double>(num_trees) / rows));
   const pose::SlamWorld world = pose::SlamWorld::block(seed, rows, trees_per_row, 2);

@@ -131,7 +131,7 @@ TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfASurvey) {
   const auto json =
       nlohmann::json::parse(evaluate({"--rows", path("survey.csv"), "--json"}).out)["rows"];
   EXPECT_EQ(json["num_rows"], 2);
-  EXPECT_EQ(json["right_alley"], 0.75);
+  EXPECT_EQ(json["right_aisle"], 0.75);
   EXPECT_NEAR(json["cross_track_median_m"].get<double>(), 0.5, 1e-6);
   EXPECT_NEAR(json["wrong_longest_s"].get<double>(), 4.0, 1e-6);
   const Result said = evaluate({"--rows", path("survey.csv")});
@@ -149,8 +149,8 @@ TEST_F(EvaluateTrajectoryCommand, JudgesByTheRowsOfAMap) {
   write_file(path("map.csv"), map);
   const auto json =
       nlohmann::json::parse(evaluate({"--align", "--rows", path("map.csv"), "--json"}).out)["rows"];
-  EXPECT_EQ(json["num_in_alleys"], 20);
-  EXPECT_EQ(json["right_alley"], 1.0);
+  EXPECT_EQ(json["num_in_aisles"], 20);
+  EXPECT_EQ(json["right_aisle"], 1.0);
 }
 
 TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrongWithRows) {

@@ -83,7 +83,7 @@ TEST_F(LocalisationCommand, MapsWithASurveyAsThePriorMap) {
   const Result judged = orchard({"evaluate", "trajectory", path("map"), "--truth",
                                  path("poses.csv"), "--rows", path("truth.csv"), "--json"});
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
-  EXPECT_EQ(nlohmann::json::parse(judged.out)["rows"]["right_alley"], 1.0) << judged.out;
+  EXPECT_EQ(nlohmann::json::parse(judged.out)["rows"]["right_aisle"], 1.0) << judged.out;
 }
 
 TEST_F(LocalisationCommand, SaysWhatIsWrongWithASurvey) {

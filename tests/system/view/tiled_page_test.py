@@ -22,13 +22,13 @@ READY = "return orchardApp.tiles.pending.size === 0 && !orchardApp.isDue"
 
 
 def write_map(folder):
-    """Rows of trees, planted to 10 cm, driven along every alley."""
+    """Rows of trees, planted to 10 cm, driven along every aisle."""
     dice = random.Random(5)
     lines = (maps.landmark(NUM_PLACES * row + place + 1, TREE_M * place + dice.gauss(0, 0.1), ROW_M * row + dice.gauss(0, 0.1), row + 1,
                            place + 1, dice.gauss(0.12, 0.01), num=60) for row in range(NUM_ROWS) for place in range(NUM_PLACES))
     length_m = int(TREE_M * NUM_PLACES)
-    maps.write_map(folder, lines, ((step if alley % 2 == 0 else length_m - step, ROW_M * (alley - 0.5), 3.14159 * (alley % 2))
-                                   for alley in range(NUM_ROWS + 1) for step in range(0, length_m, 4)))
+    maps.write_map(folder, lines, ((step if aisle % 2 == 0 else length_m - step, ROW_M * (aisle - 0.5), 3.14159 * (aisle % 2))
+                                   for aisle in range(NUM_ROWS + 1) for step in range(0, length_m, 4)))
 
 
 def trees_of(folder):

@@ -48,30 +48,30 @@ std::vector<ComparedPose> drive(const std::vector<Leg>& legs) {
 TEST(EvaluateRows, CrossTrackErrorIsThePartAcross) {
   const RowEvaluation e =
       evaluate_rows(drive({{1.5, 3.0, 0.4, 15}, {4.5, -7.0, -0.1, 5}}), rows_along_x(4));
-  EXPECT_DOUBLE_EQ(e.alley_m, 3.0);
-  EXPECT_EQ(e.num_in_alleys, 20);
-  EXPECT_EQ(e.num_right_alley, 20);
+  EXPECT_DOUBLE_EQ(e.aisle_m, 3.0);
+  EXPECT_EQ(e.num_in_aisles, 20);
+  EXPECT_EQ(e.num_right_aisle, 20);
   EXPECT_NEAR(e.cross_track_m.rmse, std::sqrt((15 * 0.16 + 5 * 0.01) / 20), 1e-12);
   EXPECT_NEAR(e.cross_track_m.median, 0.4, 1e-12);
   EXPECT_NEAR(e.cross_track_95_m, 0.4, 1e-12);
   EXPECT_EQ(e.wrong_longest_s, 0.0);
 }
 
-TEST(EvaluateRows, AnotherAlleyIsWrongHoweverNearTheRow) {
-  // 0.1 m beside the row at y = 3: a hand's breadth further is the next alley, the row is the same.
+TEST(EvaluateRows, AnotherAisleIsWrongHoweverNearTheRow) {
+  // 0.1 m beside the row at y = 3: a hand's breadth further is the next aisle, the row is the same.
   const RowEvaluation e =
       evaluate_rows(drive({{2.9, 0.0, 0.05}, {2.9, 0.0, 0.2}}), rows_along_x(4));
-  EXPECT_EQ(e.num_in_alleys, 20);
-  EXPECT_EQ(e.num_right_alley, 10);
+  EXPECT_EQ(e.num_in_aisles, 20);
+  EXPECT_EQ(e.num_right_aisle, 10);
   EXPECT_EQ(e.num_nearest_row, 20);
   EXPECT_NEAR(e.wrong_longest_s, 9.0, 1e-12);
   EXPECT_NEAR(e.wrong_longest_m, 4.5, 1e-12);
 }
 
-TEST(EvaluateRows, ANearestRowThatChangesInMidAlleyIsNoWrongAlley) {
+TEST(EvaluateRows, ANearestRowThatChangesInMidAisleIsNoWrongAisle) {
   const RowEvaluation e = evaluate_rows(
       drive({{1.45, 0.0, 0.1, 4}, {1.45, 0, 0, 2}, {1.45, 0, 0.1, 4}}), rows_along_x(4));
-  EXPECT_EQ(e.num_right_alley, 10);
+  EXPECT_EQ(e.num_right_aisle, 10);
   EXPECT_EQ(e.num_nearest_row, 2);
   EXPECT_EQ(e.num_row_switches, 2);
   EXPECT_NEAR(e.from_row_m.mean, 0.8 * 1.55 + 0.2 * 1.45, 1e-12);
@@ -86,21 +86,21 @@ TEST(EvaluateRows, TheLongestStayIsThatOfOneStay) {
   EXPECT_NEAR(e.wrong_longest_m, 2.5, 1e-12);
 }
 
-TEST(EvaluateRows, HeadlandsAreNoAlleyAndStraightBehindOneIsRight) {
+TEST(EvaluateRows, HeadlandsAreNoAisleAndStraightBehindOneIsRight) {
   // the truth 15 m before the rows; then between them, with the estimate 12 m before them
   std::vector<ComparedPose> compared = drive({{1.5, 0, 0, 3}, {1.5, -17.0, 0.2, 4}});
   for (std::size_t i = 0; i < 3; ++i) compared[i].truth.x_m = compared[i].estimate.x_m = -15.0;
   const RowEvaluation e = evaluate_rows(compared, rows_along_x(4));
   EXPECT_EQ(e.num_compared, 7);
-  EXPECT_EQ(e.num_in_alleys, 4);
-  EXPECT_EQ(e.num_right_alley, 4);
+  EXPECT_EQ(e.num_in_aisles, 4);
+  EXPECT_EQ(e.num_right_aisle, 4);
 }
 
-TEST(EvaluateRows, BesideTheLastRowIsAnAlleyOfItsWidth) {
+TEST(EvaluateRows, BesideTheLastRowIsAnAisleOfItsWidth) {
   const RowEvaluation e = evaluate_rows(drive({{10.5, 0, 1.0}, {10.5, 0, 2.0}}), rows_along_x(4));
-  EXPECT_EQ(e.num_in_alleys, 20);
-  EXPECT_EQ(e.num_right_alley, 10);
-  EXPECT_EQ(evaluate_rows(drive({{12.5, 0, 0}}), rows_along_x(4)).num_in_alleys, 0);
+  EXPECT_EQ(e.num_in_aisles, 20);
+  EXPECT_EQ(e.num_right_aisle, 10);
+  EXPECT_EQ(evaluate_rows(drive({{12.5, 0, 0}}), rows_along_x(4)).num_in_aisles, 0);
 }
 
 TEST(EvaluateRows, RowsThatEndUnevenly) {
@@ -109,8 +109,8 @@ TEST(EvaluateRows, RowsThatEndUnevenly) {
   std::vector<ComparedPose> compared = drive({{1.5, 0, 0, 2}, {1.5, 0, 3.0, 2}});
   for (ComparedPose& pair : compared) pair.truth.x_m = 19.5;
   const RowEvaluation e = evaluate_rows(compared, rows);
-  EXPECT_EQ(e.num_in_alleys, 4);
-  EXPECT_EQ(e.num_right_alley, 2);
+  EXPECT_EQ(e.num_in_aisles, 4);
+  EXPECT_EQ(e.num_right_aisle, 2);
 }
 
 TEST(EvaluateRows, FollowsCurvedRows) {
@@ -134,8 +134,8 @@ TEST(EvaluateRows, FollowsCurvedRows) {
     compared.push_back(pair);
   }
   const RowEvaluation e = evaluate_rows(compared, rows);
-  EXPECT_EQ(e.num_in_alleys, 50);
-  EXPECT_EQ(e.num_right_alley, 50);
+  EXPECT_EQ(e.num_in_aisles, 50);
+  EXPECT_EQ(e.num_right_aisle, 50);
   EXPECT_NEAR(e.cross_track_m.rmse, 0.3, 0.01);  // chords of two degrees
 }
 
@@ -153,7 +153,7 @@ TEST(EvaluateRows, SaysWhatTheFiguresAre) {
   EXPECT_THAT(row_summary(e),
               testing::HasSubstr("right aisle: 75.0 % of them; longest in a wrong one: "
                                  "9.0 s, 4.5 m"));
-  EXPECT_THAT(row_json(e), testing::HasSubstr("\"right_alley\": 0.75"));
+  EXPECT_THAT(row_json(e), testing::HasSubstr("\"right_aisle\": 0.75"));
 }
 
 }  // namespace

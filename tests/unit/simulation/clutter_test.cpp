@@ -255,7 +255,7 @@ TEST(Clutter, StopAndGoWeaveAndLateStampsAreParameters) {
   const Simulator weaving(SceneKind::kOrchard, 1, rig);
   const DrivePath& path = weaving.scene().path;
   double most_radps = 0.0;
-  for (double t_s = 0.0; t_s < 18.0; t_s += 0.05) {  // the first alley
+  for (double t_s = 0.0; t_s < 18.0; t_s += 0.05) {  // the first aisle
     const double rate =
         geometry::wrap_angle_rad(path.pose_at(t_s + 0.01).yaw_rad - path.pose_at(t_s).yaw_rad) /
         0.01;

@@ -153,7 +153,7 @@ TEST(BlockSensors, WheelsGetTurnsWrongAsConfigured) {
     while (const auto message = simulator.next()) {
       const auto* odometry = std::get_if<pose::Odometry>(&*message);
       if (odometry == nullptr) continue;
-      if (seconds(odometry->utime) > 35.0) break;  // in the second alley
+      if (seconds(odometry->utime) > 35.0) break;  // in the second aisle
       turned_rad += 0.02 * odometry->yaw_rate_radps;
       if (odometry->yaw_rate_radps == 0.0) {
         EXPECT_NEAR(odometry->covariance[2], 0.0, 1e-12);

@@ -95,13 +95,13 @@ TEST(OrchardPath, EveryLapEndsWhereItBegan) {
   }
 }
 
-TEST(OrchardPath, GoesRoundSmoothlyThroughEveryAlleyAndClearOfEverything) {
+TEST(OrchardPath, GoesRoundSmoothlyThroughEveryAisleAndClearOfEverything) {
   for (const int num_rows : {4, 5}) {
     const Scene scene = make_orchard_scene(7, block(num_rows, 1));
     ASSERT_FALSE(scene.stepped);
     constexpr double kStep_s = 0.05;
     const double middle_m = kRowsBegin_m + 5.0;
-    std::set<long> alleys;
+    std::set<long> aisles;
     Pose2 before = scene.path.pose_at(0.0);
     for (double t_s = kStep_s; t_s < scene.path.duration_s(); t_s += kStep_s) {
       const Pose2 now = scene.path.pose_at(t_s);
@@ -112,17 +112,17 @@ TEST(OrchardPath, GoesRoundSmoothlyThroughEveryAlleyAndClearOfEverything) {
       EXPECT_LT(std::abs(geometry::wrap_angle_rad(heading_rad - now.yaw_rad)), 0.02);
       if ((before.y_m - middle_m) * (now.y_m - middle_m) < 0.0) {
         EXPECT_NEAR(std::remainder(now.x_m, 4.0), 0.0, 1e-6);
-        alleys.insert(std::lround(now.x_m / 4.0));
+        aisles.insert(std::lround(now.x_m / 4.0));
       }
       for (const TruthObject& thing : scene.truth) {
         EXPECT_GT(std::hypot(thing.x_m - now.x_m, thing.y_m - now.y_m), 0.5 * thing.width_m + 0.5);
       }
       before = now;
     }
-    // an odd number of alleys is closed outside of the first row
+    // an odd number of aisles is closed outside of the first row
     const std::set<long> wanted =
         num_rows == 4 ? std::set<long>{-1, 0, 1, 2} : std::set<long>{0, 1, 2, 3};
-    EXPECT_EQ(alleys, wanted);
+    EXPECT_EQ(aisles, wanted);
   }
 }
 
@@ -149,14 +149,14 @@ TEST(OrchardPath, StartsAnywhereOnTheSameLap) {
   EXPECT_GT(places.size(), 20u);
 }
 
-TEST(OrchardPath, IsCarriedIntoAnotherAlleyAndDrivesOnThere) {
+TEST(OrchardPath, IsCarriedIntoAnotherAisleAndDrivesOnThere) {
   const OrchardConfig config = block(6, 1);
   const DrivePath plain = make_orchard_path(1, config, {});
   CarryConfig carry;
-  carry.at_s = 8.0;  // in the first alley
+  carry.at_s = 8.0;  // in the first aisle
   carry.for_s = 6.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    carry.to_alley = seed <= 10 ? 0 : 3;
+    carry.to_aisle = seed <= 10 ? 0 : 3;
     const DrivePath path = make_orchard_path(seed, config, carry);
     expect_pose(path.pose_at(8.0), 0.0, 8.0, geometry::kPi / 2.0);
     EXPECT_FALSE(path.carried_at(7.9));
@@ -164,13 +164,13 @@ TEST(OrchardPath, IsCarriedIntoAnotherAlleyAndDrivesOnThere) {
     EXPECT_TRUE(path.carried_at(13.9));
     EXPECT_FALSE(path.carried_at(14.1));
     const Pose2 down = path.pose_at(14.0);
-    const long alley = std::lround(down.x_m / 4.0);
-    EXPECT_GE(alley, 1);
-    if (carry.to_alley == 3) {
-      EXPECT_EQ(alley, 2);
+    const long aisle = std::lround(down.x_m / 4.0);
+    EXPECT_GE(aisle, 1);
+    if (carry.to_aisle == 3) {
+      EXPECT_EQ(aisle, 2);
     }
-    EXPECT_NEAR(down.x_m, 4.0 * alley, 1e-6);
-    EXPECT_NEAR(std::sin(down.yaw_rad), alley % 2 == 0 ? 1.0 : -1.0, 1e-6);
+    EXPECT_NEAR(down.x_m, 4.0 * aisle, 1e-6);
+    EXPECT_NEAR(std::sin(down.yaw_rad), aisle % 2 == 0 ? 1.0 : -1.0, 1e-6);
     const double way_m = path.way_at(14.0);
     for (const double t_s : {15.0, 40.0, path.duration_s()}) {
       const Pose2 wanted = plain.pose_at(way_m + t_s - 14.0);

@@ -156,7 +156,7 @@ TEST(LiveState, TheLastStateIsTheFinishedMap) {
     edge.id = k + 1;
     edge.from = 2 * k + 1;
     edge.to = 2 * k + 2;
-    edge.kind = k % 3 == 0 ? mapping::EdgeKind::kHeadland : mapping::EdgeKind::kAlley;
+    edge.kind = k % 3 == 0 ? mapping::EdgeKind::kHeadland : mapping::EdgeKind::kAisle;
     edge.row_left = k;
     edge.width_m = 2.0 + 0.001 * k;
     for (int i = 0; i <= k % 40; ++i) edge.line_map.push_back({0.5 * i, 1.0 * k});

@@ -49,6 +49,17 @@ TEST(Config, ThreeMistakesAreNamedAtOnceWithFileAndLine) {
                           "rig.yaml:2: detector.tree_threshold = 1.9: must be in [0, 1]"));
 }
 
+TEST(Config, AKeyIsReadByItsFormerNameUnlessBothAreGiven) {
+  const auto carry = [](const char* keys) {
+    return std::string("simulation: {carry: {") + keys + "}}\n";
+  };
+  EXPECT_EQ(parse_config(carry("to_alley: 3"), "rig.yaml").simulation.carry.to_aisle, 3);
+  EXPECT_EQ(parse_config(carry("to_aisle: 4"), "rig.yaml").simulation.carry.to_aisle, 4);
+  EXPECT_THAT(problems_of(carry("to_aisle: 4, to_alley: 3")),
+              ElementsAre(HasSubstr("to_alley: unknown key; did you mean to_aisle?")));
+  EXPECT_THAT(problems_of(carry("to_alley: x")), ElementsAre(HasSubstr("must be a whole number")));
+}
+
 TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
   EXPECT_THAT(problems_of("- a\n- b\n"), ElementsAre(HasSubstr("must consist of sections")));
   EXPECT_THAT(problems_of("camera: {width_px: 3.5}\n"),

@@ -209,7 +209,7 @@ TEST_F(PlanFile, RowsMayBeLines) {
   ASSERT_EQ(plan.plan.rows.size(), 2u);
   EXPECT_EQ(plan.plan.rows[1].name, "B");
   EXPECT_EQ(plan.plan.rows[0].trees.size(), 21u);  // a thousandth of a degree is 83.4 m there
-  EXPECT_NEAR(mapping::typical_alley_m(plan.plan), 5.55, 0.02);
+  EXPECT_NEAR(mapping::typical_aisle_m(plan.plan), 5.55, 0.02);
 }
 
 TEST_F(PlanFile, ReadsItsOwnGeoJsonBack) {

@@ -268,8 +268,8 @@ TEST(MapGeopackage, HoldsWaysAndRowsAsLayers) {
     ASSERT_NE(layer, nullptr) << name;
     EXPECT_EQ(layer->GetFeatureCount(), count) << name;
   }
-  const std::unique_ptr<OGRFeature> alley(dataset->GetLayerByName("aisles")->GetNextFeature());
-  EXPECT_NEAR(alley->GetFieldAsDouble("width_m"), 3.9, 1e-6);
+  const std::unique_ptr<OGRFeature> aisle(dataset->GetLayerByName("aisles")->GetNextFeature());
+  EXPECT_NEAR(aisle->GetFieldAsDouble("width_m"), 3.9, 1e-6);
   EXPECT_THAT(read_bytes(folder / "graph.json"), HasSubstr("\"kind\": \"aisle\""));
 }
 

@@ -9,7 +9,7 @@
 
 namespace orchard::mapping {
 
-/// As drive_through(), for blocks of many thousand trees: every tree beside an alley that was
+/// As drive_through(), for blocks of many thousand trees: every tree beside an aisle that was
 /// driven is looked at as often as any other, and nothing hides one. `drive.rate` and `reach_m` say
 /// how often.
 inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dice& dice) {
@@ -18,9 +18,9 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
   DrivenMap map;
   const double phase_rad = dice.uniform(0, 6.28);
   std::int64_t utime = 1000000;
-  for (int alley = drive.first_alley; alley <= drive.last_alley; ++alley) {
-    const bool is_forward = (alley - drive.first_alley) % 2 == 0;
-    const double y_m = (alley - 0.5) * block.row_spacing_m;
+  for (int aisle = drive.first_aisle; aisle <= drive.last_aisle; ++aisle) {
+    const bool is_forward = (aisle - drive.first_aisle) % 2 == 0;
+    const double y_m = (aisle - 0.5) * block.row_spacing_m;
     const double length_m = drive.along_max_m - drive.along_min_m;
     for (double s_m = 0.0; s_m <= length_m; s_m += kStep_m) {
       const double x_m = is_forward ? drive.along_min_m + s_m : drive.along_max_m - s_m;
@@ -38,8 +38,8 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
     const TrueTree& t = block.trees[i];
     if (!t.stands || t.p.x() < drive.along_min_m || t.p.x() > drive.along_max_m) continue;
     int num_seen = 0;
-    for (const int alley : {t.row, t.row + 1}) {
-      if (alley < drive.first_alley || alley > drive.last_alley) continue;
+    for (const int aisle : {t.row, t.row + 1}) {
+      if (aisle < drive.first_aisle || aisle > drive.last_aisle) continue;
       const double aside_m = 0.5 * block.row_spacing_m;
       const double in_reach_m = 2.0 * std::sqrt(drive.reach_m * drive.reach_m - aside_m * aside_m);
       const int num_observations = static_cast<int>(in_reach_m / kStep_m) * kObservationsPerStep;

@@ -18,10 +18,10 @@ MapAlignment laid(const DrivenMap& a, const DrivenMap& b) {
   return align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
 }
 
-Drive drive_of(int first_alley, int last_alley) {
+Drive drive_of(int first_aisle, int last_aisle) {
   Drive drive;
-  drive.first_alley = first_alley;
-  drive.last_alley = last_alley;
+  drive.first_aisle = first_aisle;
+  drive.last_aisle = last_aisle;
   drive.along_max_m = 2.0 * kNumPlaces + 1.0;
   return drive;
 }

@@ -63,8 +63,8 @@ TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
     Dice dice(100 + static_cast<std::uint64_t>(seed));
     Block block = plant_block(dice, 10, 30);
     Drive first, second;
-    first.last_alley = 6;
-    second.first_alley = 4;
+    first.last_aisle = 6;
+    second.first_aisle = 4;
     second.along_min_m = 15.0;
     second.T_map_block = {dice.uniform(-500, 500), dice.uniform(-500, 500),
                           dice.uniform(-3.1, 3.1)};
@@ -87,11 +87,11 @@ TEST(MapAlignment, RobotsThatFractionTwoRowsAreLaidRightAndThoseThatFractionNone
     Dice dice(400 + static_cast<std::uint64_t>(seed));
     Block block = plant_block(dice, 10, 30);
     Drive first, second, apart;
-    first.last_alley = 3;
-    second.first_alley = 3;  // from the other side of the block, in a frame of its own
+    first.last_aisle = 3;
+    second.first_aisle = 3;  // from the other side of the block, in a frame of its own
     second.T_map_block = {30.0, -20.0, 3.14159};
     apart = second;
-    apart.first_alley = 6;
+    apart.first_aisle = 6;
     const DrivenMap a = drive_through(block, first, dice);
     const DrivenMap b = drive_through(block, second, dice);
     const DrivenMap c = drive_through(block, apart, dice);
@@ -134,8 +134,8 @@ TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {
   Dice dice(1);
   Block block = plant_block(dice, 12, 60, 0.0, 0.0, 0.0);
   Drive drive;
-  drive.first_alley = 3;
-  drive.last_alley = 9;
+  drive.first_aisle = 3;
+  drive.last_aisle = 9;
   drive.along_min_m = 30.0;
   drive.along_max_m = 90.0;
   const DrivenMap a = drive_through(block, drive, dice);
@@ -157,7 +157,7 @@ TEST(MapAlignment, RowEndsTellWhenBothDrivesLookedThere) {
   Dice dice(2);
   Block block = plant_block(dice, 10, 20, 0.0, 0.0, 0.0);
   Drive drive;
-  drive.last_alley = 10;
+  drive.last_aisle = 10;
   drive.bend_m = drive.position_sd_m = 0.02;
   drive.along_min_m = -5.0;
   drive.along_max_m = 43.0;

@@ -103,7 +103,7 @@ TEST(MapComparison, WhatWasNotLookedAtIsNotMissing) {
   Dice dice(21);
   Block block = plant_block(dice, 10, 30);
   Drive whole, half;
-  half.last_alley = 4;  // sees rows 0 to 4 only
+  half.last_aisle = 4;  // sees rows 0 to 4 only
   const DrivenMap a = drive_through(block, whole, dice);
   const DrivenMap b = drive_through(block, half, dice);
   const MapComparison comparison = compare(a, b);

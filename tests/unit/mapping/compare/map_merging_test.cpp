@@ -94,8 +94,8 @@ TEST(Merging, TwoHalvesBecomeTheWholeBlock) {
   Dice dice(2);
   Block block = plant_block(dice, 10, 30);
   Drive left, right;
-  left.last_alley = 6;
-  right.first_alley = 4;
+  left.last_aisle = 6;
+  right.first_aisle = 4;
   right.T_map_block = {2.0, -1.0, 0.03};
   const DrivenMap a = drive_through(block, left, dice, 100);
   const DrivenMap b = drive_through(block, right, dice, 50);

@@ -66,10 +66,10 @@ inline Block plant_block(Dice& dice, int num_rows, int num_places, double missin
   return block;
 }
 
-/// How a drive maps a block. The path goes down the alleys first_alley..last_alley in turn (alley k
+/// How a drive maps a block. The path goes down the aisles first_aisle..last_aisle in turn (aisle k
 /// lies before row k) and round the headlands.
 struct Drive {
-  int first_alley = 0, last_alley = 10;
+  int first_aisle = 0, last_aisle = 10;
   double along_min_m = -3.0, along_max_m = 61.0;
   double reach_m = 5.5;
   double rate = 0.6;  ///< that an observation finds a tree in reach
@@ -77,10 +77,10 @@ struct Drive {
   geometry::Pose2 T_map_block;  ///< the drive's frame
 };
 
-/// A drive through every alley of a block planted with so many rows and places.
+/// A drive through every aisle of a block planted with so many rows and places.
 inline Drive whole_drive(int num_rows, int num_places) {
   Drive drive;
-  drive.last_alley = num_rows;
+  drive.last_aisle = num_rows;
   drive.along_max_m = 2.0 * num_places + 1.0;
   return drive;
 }
@@ -137,8 +137,8 @@ inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int
     for (int i = 1; i <= n; ++i) path.push_back(from + (to - from) * i / n);
   };
   bool forward = true;
-  for (int alley = drive.first_alley; alley <= drive.last_alley; ++alley) {
-    const double y = (alley - 0.5) * block.row_spacing_m;
+  for (int aisle = drive.first_aisle; aisle <= drive.last_aisle; ++aisle) {
+    const double y = (aisle - 0.5) * block.row_spacing_m;
     go({forward ? drive.along_min_m : drive.along_max_m, y});
     go({forward ? drive.along_max_m : drive.along_min_m, y});
     forward = !forward;

@@ -32,7 +32,7 @@ class Remapping {
  public:
   explicit Remapping(int seed) : dice_(static_cast<std::uint64_t>(seed)) {
     block_ = plant_block(dice_, 8, 25);
-    drive_.last_alley = 8;
+    drive_.last_aisle = 8;
     drive_.along_max_m = 51.0;
     drive_.bend_m = 0.2;
     a_ = drive_through(block_, drive_, dice_);

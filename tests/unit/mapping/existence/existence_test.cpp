@@ -75,7 +75,7 @@ laser::LaserConfig laser_ahead() {
   return laser;
 }
 
-/// Drives the alley from x = -2 to 42 and back `num_passes` times at 1 m/s, ten scans a second,
+/// Drives the aisle from x = -2 to 42 and back `num_passes` times at 1 m/s, ten scans a second,
 /// past what stands there at each time [s]. With beams, the mapper is given those of every third
 /// scan. `overlooked` is no detection's from the second pass on.
 Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_s)>& things_at,
@@ -284,7 +284,7 @@ TEST(Existence, AScanFromAWrongPlaceDropsNothing) {
   Mapper mapper = drive(2, [](double) { return two_rows(); });
   ASSERT_EQ(mapper.landmarks(50).size(), 42u);
   Dice dice(6);
-  for (int k = 0; k < 600; ++k) {  // the pose says it stands in the alley; it is carried about
+  for (int k = 0; k < 600; ++k) {  // the pose says it stands in the aisle; it is carried about
     pose::PoseEstimate pose;
     pose.utime = 200000000 + 100000LL * k;
     pose.x_m = 20.0;

@@ -110,7 +110,7 @@ TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {
   planting.shift_a_row = false;
   PlannedBlock b = plant_to_plan(dice, planting);
   Drive drive;
-  drive.last_alley = 2;  // of at least six rows
+  drive.last_aisle = 2;  // of at least six rows
   drive.along_max_m = b.block.num_places * b.block.tree_spacing_m + 3.0;
   const DrivenMap map = drive_through(b.block, drive, dice);
   const PlanMatch match = match_plan(b.plan, map.landmarks, seen_by(map), {});

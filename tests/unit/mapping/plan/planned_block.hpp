@@ -32,7 +32,7 @@ struct PlannedBlock {
 
 /// A random orchard: 6 to 14 rows of up to 40 trees. Extra trees stand between two places whose
 /// trees are there; one row, when asked for, stands elsewhere by 0.5 m to 0.4 of a spacing along or
-/// of an alley aside.
+/// of an aisle aside.
 inline PlannedBlock plant_to_plan(Dice& dice, const Planting& planting) {
   PlannedBlock b;
   const int num_rows = 6 + static_cast<int>(dice.uniform(0, 9));
@@ -106,10 +106,10 @@ inline PlannedBlock plant_to_plan(Dice& dice, const Planting& planting) {
   return b;
 }
 
-/// A drive down every alley of it, with a slow bend.
+/// A drive down every aisle of it, with a slow bend.
 inline DrivenMap drive_all(PlannedBlock& b, const geometry::Pose2& T_map_block, Dice& dice) {
   Drive drive;
-  drive.last_alley = b.block.num_rows;
+  drive.last_aisle = b.block.num_rows;
   drive.along_max_m = (b.block.num_places - 1) * b.block.tree_spacing_m + 3.0;
   drive.T_map_block = T_map_block;
   return drive_through(b.block, drive, dice);

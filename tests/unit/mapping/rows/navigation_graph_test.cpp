@@ -41,20 +41,20 @@ Planted plant(const std::vector<double>& y_m, int num_places, double bend = 0.0)
   return p;
 }
 
-TEST(NavigationGraph, AlleysRunMidwayAndHeadlandsJoinThem) {
+TEST(NavigationGraph, AislesRunMidwayAndHeadlandsJoinThem) {
   const Planted p = plant({0.0, -4.0, -8.0, -12.0}, 11);
   ASSERT_EQ(p.rows.size(), 4u);
   const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
   EXPECT_EQ(graph.nodes.size(), 6u);
   ASSERT_EQ(graph.edges.size(), 3u + 4u);
   for (int k = 0; k < 3; ++k) {
-    const NavigationEdge& alley = graph.edges[static_cast<std::size_t>(k)];
-    EXPECT_EQ(alley.kind, EdgeKind::kAlley);
-    EXPECT_EQ(alley.row_left, k + 1);
-    EXPECT_EQ(alley.row_right, k + 2);
-    for (const Vector2d& point : alley.line_map) EXPECT_NEAR(point.y(), -4.0 * k - 2.0, 1e-9);
-    EXPECT_NEAR(alley.width_m, 4.0 - 0.2, 1e-9) << "trunk to trunk";
-    EXPECT_NEAR(alley.length_m, 20.0 + 2 * 2.0, 1e-9) << "half an alley beyond each end";
+    const NavigationEdge& aisle = graph.edges[static_cast<std::size_t>(k)];
+    EXPECT_EQ(aisle.kind, EdgeKind::kAisle);
+    EXPECT_EQ(aisle.row_left, k + 1);
+    EXPECT_EQ(aisle.row_right, k + 2);
+    for (const Vector2d& point : aisle.line_map) EXPECT_NEAR(point.y(), -4.0 * k - 2.0, 1e-9);
+    EXPECT_NEAR(aisle.width_m, 4.0 - 0.2, 1e-9) << "trunk to trunk";
+    EXPECT_NEAR(aisle.length_m, 20.0 + 2 * 2.0, 1e-9) << "half an aisle beyond each end";
   }
   for (std::size_t e = 3; e < 7; ++e) {
     const NavigationEdge& headland = graph.edges[e];
@@ -66,7 +66,7 @@ TEST(NavigationGraph, AlleysRunMidwayAndHeadlandsJoinThem) {
   }
 }
 
-TEST(NavigationGraph, WhatStandsInAnAlleyNarrowsIt) {
+TEST(NavigationGraph, WhatStandsInAnAisleNarrowsIt) {
   Planted p = plant({0.0, -4.0, -8.0}, 11);
   Landmark post;
   post.id = 900;
@@ -120,7 +120,7 @@ TEST(NavigationGraph, NoWayTouchesAnythingWhateverStandsAbout) {
 
 TEST(NavigationGraph, AWayThatNobodySawFreeIsNone) {
   const Planted p = plant({0.0, -4.0, -8.0}, 11);
-  // a wall that is no landmark closes the first alley; the second was seen over 1.6 m of its width
+  // a wall that is no landmark closes the first aisle; the second was seen over 1.6 m of its width
   const auto seen = [](const Vector2d& q) {
     if (q.y() > -4.0) return std::abs(q.x() - 9.0) > 0.5;
     return std::abs(q.y() + 6.5) < 0.8;
@@ -147,7 +147,7 @@ TEST(NavigationGraph, CurvedRowsAndBlocksApart) {
   const Planted apart = plant({0.0, -4.0, -18.0, -22.0}, 11);
   const NavigationGraph two = navigation_graph(apart.landmarks, apart.rows);
   EXPECT_EQ(std::count_if(two.edges.begin(), two.edges.end(),
-                          [](const NavigationEdge& e) { return e.kind == EdgeKind::kAlley; }),
+                          [](const NavigationEdge& e) { return e.kind == EdgeKind::kAisle; }),
             2);
   EXPECT_TRUE(navigation_graph({}, {}).edges.empty());
   EXPECT_TRUE(navigation_graph(apart.landmarks, {apart.rows[0]}).edges.empty());

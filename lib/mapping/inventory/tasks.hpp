@@ -14,8 +14,8 @@
 namespace orchard::mapping {
 
 /// What `what` of a task that a map gives rise to is; a grower's own has other words.
-inline constexpr char kPlantTask[] = "plant";  ///< nothing stands there
-inline constexpr char kCheckTask[] = "check";  ///< the tree moved
+inline constexpr char kPlantTask[] = "plant";  ///< derived: nothing stands there
+inline constexpr char kCheckTask[] = "check";  ///< derived: the tree moved
 
 /// Something for a grower to do at a place.
 struct Task {

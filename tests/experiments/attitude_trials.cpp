@@ -35,7 +35,11 @@ std::map<std::int64_t, Truth> true_tilts(const std::string& path) {
   };
   const std::size_t roll = column("roll_rad"), pitch = column("pitch_rad");
   std::map<std::int64_t, Truth> tilts;
-  while (csv.next()) tilts[csv.integer(0)] = {csv.number(roll), csv.number(pitch)};
+  const bool is_level =
+      roll == names.size() || pitch == names.size();  // as level drives are written
+  while (csv.next()) {
+    tilts[csv.integer(0)] = is_level ? Truth{0.0, 0.0} : Truth{csv.number(roll), csv.number(pitch)};
+  }
   return tilts;
 }
 

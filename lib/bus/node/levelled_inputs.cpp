@@ -20,7 +20,6 @@ bool has_wheels(const io::Config& config) {
 LevelledInputs::LevelledInputs(const io::Config& config) : has_wheels_(has_wheels(config)) {
   if (config.laser.height_m <= 0.0) return;
   leveller_.emplace(pose::LevellingConfig{config.laser, config.laser_rear, has_wheels_,
-                                          config.pose.reorder_window_s,
                                           config.detector.segmentation});
 }
 

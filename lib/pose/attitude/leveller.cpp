@@ -14,10 +14,14 @@ namespace {
 // physical: without wheels the speed is unknown; robots in orchards drive at a walking pace.
 constexpr double kWalk_mps = 1.0;
 
+// derived: longer than a live process holds the first messages of a channel until others confirm
+// them, several periods of a slow unit.
+constexpr std::int64_t kWait_us = 500'000;
+
 timing::OrderedQueue<Leveller::Input, 4>::Rules rules_of(const LevellingConfig& config) {
   timing::OrderedQueue<Leveller::Input, 4>::Rules rules;
-  rules[0].wait_us = timing::microseconds(config.wait_s);
-  if (config.has_wheels) rules[1].wait_us = timing::microseconds(config.wait_s);
+  rules[0].wait_us = kWait_us;
+  if (config.has_wheels) rules[1].wait_us = kWait_us;
   return rules;
 }
 
@@ -28,10 +32,6 @@ std::int64_t last_beam_utime(const laser::Scan& scan) {
 
 /// physical: no robot drives on its side; a tilt of more than 45 degrees is none.
 bool is_upright(const Attitude& a) { return std::cos(a.roll_rad) * std::cos(a.pitch_rad) > 0.7; }
-
-std::int64_t turn_of(const Imu& imu) { return imu.utime; }
-std::int64_t turn_of(const Odometry& odometry) { return odometry.utime; }
-std::int64_t turn_of(const laser::Scan& scan) { return last_beam_utime(scan); }
 
 }  // namespace
 
@@ -44,21 +44,58 @@ Leveller::Leveller(const LevellingConfig& config)
       speed_mps_(config.has_wheels ? 0.0 : kWalk_mps) {}
 
 void Leveller::add(Input input) {
-  const std::int64_t utime = std::visit([](const auto& m) { return turn_of(m); }, input);
+  const std::int64_t utime = std::visit([](const auto& m) { return m.utime; }, input);
   const std::size_t kind = input.index();
+  if (kind == 0) is_imu_missing_ = false;
+  if (kind == 0 || (kind == 1 && config_.has_wheels)) queue_.set_wait(kind, kWait_us);
   queue_.push(kind, utime, std::move(input));
 }
 
+/// Nobody waits again for a kind that was waited for in vain, until it comes.
+void Leveller::give_up_late(std::int64_t utime) {
+  for (const std::size_t kind : {std::size_t{0}, std::size_t{1}}) {
+    if (queue_.reached(kind) < utime) queue_.set_wait(kind, std::nullopt);
+  }
+  is_imu_missing_ = is_imu_missing_ || queue_.reached(0) < utime;
+}
+
 std::optional<Leveller::Input> Leveller::take() {
-  std::optional<Input> next = queue_.pop();
-  if (!next) return std::nullopt;
-  return levelled(*std::move(next));
+  return take_of([this] { return queue_.pop(); }, false);
 }
 
 std::optional<Leveller::Input> Leveller::take_flushed() {
-  std::optional<Input> next = queue_.pop_flushed();
-  if (!next) return std::nullopt;
-  return levelled(*std::move(next));
+  return take_of([this] { return queue_.pop_flushed(); }, true);
+}
+
+/// The next scan whose sweep the tilt covers, else what `pop` gives, scans put aside.
+template <class Pop>
+std::optional<Leveller::Input> Leveller::take_of(const Pop& pop, bool is_end) {
+  while (!is_swept(false)) {
+    std::optional<Input> next = pop();
+    if (!next) {
+      if (!is_swept(is_end)) return std::nullopt;
+      break;
+    }
+    give_up_late(std::visit([](const auto& m) { return m.utime; }, *next));
+    const bool is_scan =
+        !std::holds_alternative<Imu>(*next) && !std::holds_alternative<Odometry>(*next);
+    if (!is_scan) return levelled(*std::move(next));
+    sweeps_.push_back(*std::move(next));
+  }
+  Input scan = std::move(sweeps_.front());
+  sweeps_.pop_front();
+  return levelled(std::move(scan));
+}
+
+/// Whether the first scan put aside waits no longer: for the tilt at its last beam, whenever that
+/// arrives, or because it is late.
+bool Leveller::is_swept(bool is_end) const {
+  if (sweeps_.empty()) return false;
+  const auto* rear = std::get_if<laser::RearScan>(&sweeps_.front());
+  const laser::Scan& scan = rear != nullptr ? *rear : std::get<laser::Scan>(sweeps_.front());
+  const std::int64_t utime = last_beam_utime(scan);
+  const bool is_late = queue_.message_time() - utime > kWait_us;
+  return is_end || newest_imu_utime_ >= utime || is_late || is_imu_missing_;
 }
 
 Leveller::Input Leveller::levelled(Input input) {
@@ -68,6 +105,7 @@ Leveller::Input Leveller::levelled(Input input) {
 
 void Leveller::level(Imu& imu) {
   attitude_.add(imu);
+  newest_imu_utime_ = std::max(newest_imu_utime_, imu.utime);
   const std::optional<Attitude> attitude = attitude_.at(imu.utime);
   if (!attitude || !is_upright(*attitude)) return;
   if (imu_utime_ && imu.utime > *imu_utime_) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -21,7 +23,6 @@ struct LevellingConfig {
   laser::LaserConfig laser;
   laser::LaserConfig laser_rear;
   bool has_wheels = false;
-  double wait_s = 0.0;  ///< how long others wait for a late IMU or ODOMETRY [s of message time]
   laser::SegmentationConfig objects;
 };
 
@@ -34,8 +35,8 @@ class Leveller {
   explicit Leveller(const LevellingConfig& config);
 
   void add(Input input);
-  /// The next input in order of time, levelled; a scan has the time of its last beam, and none is
-  /// given before the IMU has come up to it or is late.
+  /// The next input in order of time, levelled; a scan comes after the IMU of its last beam, or
+  /// when that is late.
   std::optional<Input> take();
   /// The same at the end of the inputs, without waiting.
   std::optional<Input> take_flushed();
@@ -44,6 +45,10 @@ class Leveller {
   std::string warning() const;
 
  private:
+  template <class Pop>
+  std::optional<Input> take_of(const Pop& pop, bool is_end);
+  bool is_swept(bool is_end) const;
+  void give_up_late(std::int64_t utime);
   Input levelled(Input input);
   void level(Imu& imu);
   void level(Odometry& odometry);
@@ -53,6 +58,9 @@ class Leveller {
 
   LevellingConfig config_;
   timing::OrderedQueue<Input, std::variant_size_v<Input>> queue_;
+  std::deque<Input> sweeps_;  ///< scans in order that wait for the tilt at their last beams
+  std::int64_t newest_imu_utime_ = std::numeric_limits<std::int64_t>::min();
+  bool is_imu_missing_ = false;  ///< others waited for it in vain, and none has come since
   AttitudeFilter attitude_;
   GroundPlane ground_;
   ScanLeveller front_;

@@ -167,7 +167,6 @@ TEST(DetectorNode, LevelsScansWhateverArrivesFirst) {
   io::Config config;
   config.camera.enabled = false;
   config.laser.height_m = 0.3;
-  config.pose.reorder_window_s = 0.5;
   std::vector<std::vector<std::uint8_t>> reference;
   std::mt19937 random(5);
   for (int round = 0; round < 8; ++round) {

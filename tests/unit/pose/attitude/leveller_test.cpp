@@ -14,7 +14,6 @@ LevellingConfig rig() {
   LevellingConfig config;
   config.laser.height_m = 0.5;
   config.has_wheels = true;
-  config.wait_s = 0.05;
   return config;
 }
 
@@ -67,7 +66,7 @@ TEST(Leveller, AScanWaitsForTheTiltAtItsLastBeam) {
   leveller.add(tilted(1'060'000, -0.1));
   const auto ready = all_of(leveller);
   ASSERT_EQ(ready.size(), 3u);
-  const auto* scan = std::get_if<laser::Scan>(&ready[0]);
+  const auto* scan = std::get_if<laser::Scan>(&ready[1]);  // after the IMU, before the wheels
   ASSERT_NE(scan, nullptr);
   EXPECT_NEAR(scan->ranges_m[50], 2.0 * std::cos(0.1), 1e-5);  // ahead, uphill
   EXPECT_TRUE(leveller.warning().empty());
@@ -90,7 +89,7 @@ TEST(Leveller, GoesOnWithoutAnImuAndSaysSo) {
   leveller.add(before);
   EXPECT_TRUE(all_of(leveller).empty());
   for (int i = 0; i < 6; ++i) leveller.add(wheels(1'000'000 + 20'000 * i));
-  leveller.add(wheels(1'200'000));
+  leveller.add(wheels(1'700'000));
   bool is_there = false;
   for (const auto& input : all_of(leveller)) {
     const auto* scan = std::get_if<laser::Scan>(&input);
@@ -101,6 +100,37 @@ TEST(Leveller, GoesOnWithoutAnImuAndSaysSo) {
   }
   EXPECT_TRUE(is_there);
   EXPECT_NE(leveller.warning().find("laser.height_m"), std::string::npos) << leveller.warning();
+}
+
+// A scan that arrives before its last beam's time does not make others late.
+TEST(Leveller, TheOrderOfArrivalDoesNotMatter) {
+  std::vector<double> reference;
+  for (const bool imu_first : {true, false}) {
+    Leveller leveller(rig());
+    std::vector<double> told;
+    const auto drain = [&] {
+      for (const auto& input : all_of(leveller)) {
+        const auto* odometry = std::get_if<Odometry>(&input);
+        if (odometry != nullptr) told.push_back(odometry->speed_mps);
+        const auto* scan = std::get_if<laser::Scan>(&input);
+        if (scan != nullptr) told.push_back(scan->ranges_m[50]);
+      }
+    };
+    for (int i = 0; i < 100; ++i) {
+      const std::int64_t utime = 1'000'000 + 20'000 * i;
+      if (i % 5 == 0) leveller.add(sweep(utime));
+      const Imu imu = tilted(utime, 0.002 * i);
+      if (imu_first) leveller.add(imu);
+      drain();
+      leveller.add(wheels(utime));
+      drain();
+      if (!imu_first) leveller.add(imu);
+      drain();
+    }
+    if (imu_first) reference = told;
+    EXPECT_EQ(told, reference);
+    EXPECT_GE(told.size(), 115u);
+  }
 }
 
 TEST(Leveller, GivesWhatWaitsAtTheEnd) {

@@ -69,4 +69,7 @@ inline constexpr double kRivalGap = 6.0;           ///< of d2 to the second best
 inline constexpr double kSightingsPerTree = 10.0;  ///< count as one: they share the map's error
 inline constexpr double kDistortedSd_m = 0.25;     ///< a less certain trunk is no evidence
 
+// The ground before any way is driven; on config/hills.yaml, seeds 1001-1004, slope 25 %.
+inline constexpr double kStartSlopeSd = 0.09;  ///< of the robot's tilt about the plane [m/m]
+
 }  // namespace orchard::pose

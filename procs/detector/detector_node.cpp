@@ -6,7 +6,6 @@
 
 #include "bus/messages/channel.hpp"
 #include "geometry/angles.hpp"
-#include "pose/pose_config.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {
@@ -49,13 +48,6 @@ bool are_equal(const std::shared_ptr<const vision::Image>& a,
                const std::shared_ptr<const vision::Image>& b) {
   if (!a || !b) return !a && !b;
   return a->utime == b->utime && a->seq == b->seq;
-}
-
-/// True if the detector or orchard-pose uses the rig's odometry.
-bool has_wheels(const io::Config& config) {
-  const auto odometry = static_cast<std::size_t>(pose::MeasurementKind::kOdometry);
-  return config.detector.use_odometry ||
-         pose::expected_measurements(config.pose)[odometry].has_value();
 }
 
 }  // namespace
@@ -232,13 +224,12 @@ DetectorNode::DetectorNode(const io::Config& config)
       camera_check_(rig_),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
                      std::tan(detection::tuning::kSearchWindow_deg * geometry::kPi / 180.0)),
-      has_wheels_(has_wheels(config)),
       health_(config),
       range_noise_(config.laser, config.detector.segmentation.blind_sector(),
                    config.detector.segmentation.range_max_m, config.detector.segmentation.jump_m) {
   if (config.laser_rear.enabled) {
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
-    joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
+    joiner_.emplace(config.laser, config.detector.image_wait_s, levelled_.has_wheels());
   }
   precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
 }
@@ -260,7 +251,7 @@ bus::InputNeed DetectorNode::need_of(bus::Channel channel) const {
 
 /// Whether the detector itself uses ODOMETRY, not only to level its scans.
 bool DetectorNode::compensates_motion() const {
-  return (rig_.has_camera && rig_.detector.use_odometry) || (joiner_ && has_wheels_);
+  return (rig_.has_camera && rig_.detector.use_odometry) || (joiner_ && levelled_.has_wheels());
 }
 
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
@@ -286,7 +277,7 @@ void DetectorNode::use(const bus::Message& input, const bus::Outbox& send) {
     return send_views(joiner_->add_rear(detect_alone(*rear, *rear_rig_).detections), send);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
     const detection::Motion motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps};
-    if (joiner_ && has_wheels_) send_views(joiner_->add(motion), send);
+    if (joiner_ && levelled_.has_wheels()) send_views(joiner_->add(motion), send);
     pairs = pairer_.add(motion);
   }
   for (const auto& pair : pairs) send_detections(pair, send);

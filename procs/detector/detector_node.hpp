@@ -199,7 +199,6 @@ class DetectorNode : public bus::Node {
   detection::CameraCheck camera_check_;
   int num_sights_ = 0;  ///< asked for so far
   double edge_reach_px_;
-  bool has_wheels_;
   InputHealth health_;
   laser::RangeNoise range_noise_;
   bool ended_ = false;

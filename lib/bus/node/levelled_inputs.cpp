@@ -9,7 +9,7 @@
 namespace orchard::bus {
 namespace {
 
-bool has_wheels(const io::Config& config) {
+bool uses_wheels(const io::Config& config) {
   const auto odometry = static_cast<std::size_t>(pose::MeasurementKind::kOdometry);
   return config.detector.use_odometry ||
          pose::expected_measurements(config.pose)[odometry].has_value();
@@ -17,7 +17,7 @@ bool has_wheels(const io::Config& config) {
 
 }  // namespace
 
-LevelledInputs::LevelledInputs(const io::Config& config) : has_wheels_(has_wheels(config)) {
+LevelledInputs::LevelledInputs(const io::Config& config) : has_wheels_(uses_wheels(config)) {
   if (config.laser.height_m <= 0.0) return;
   leveller_.emplace(pose::LevellingConfig{config.laser, config.laser_rear, has_wheels_,
                                           config.detector.segmentation});

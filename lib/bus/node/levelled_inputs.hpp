@@ -21,6 +21,9 @@ class LevelledInputs {
  public:
   explicit LevelledInputs(const io::Config& config);
 
+  /// Whether the rig has wheels that the detector or orchard-pose uses.
+  bool has_wheels() const { return has_wheels_; }
+
   bool is_active() const { return leveller_.has_value(); }
 
   /// Adds the channels that levelling reads.

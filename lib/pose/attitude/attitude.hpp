@@ -14,6 +14,12 @@ struct Attitude {
   double sd_rad = 0.0;  ///< 1-sigma of each angle
 };
 
+/// physical: no robot drives on its side; more than 45 degrees are no tilt. False for NaN.
+inline bool is_upright(const Attitude& a) {
+  constexpr double kMax_rad = 0.785;
+  return std::abs(a.roll_rad) < kMax_rad && std::abs(a.pitch_rad) < kMax_rad;
+}
+
 /// Rotation of vectors from base to the level frame.
 inline Eigen::Matrix3d R_level_base(const Attitude& a) {
   const double cr = std::cos(a.roll_rad), sr = std::sin(a.roll_rad);

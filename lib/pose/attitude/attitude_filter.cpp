@@ -84,6 +84,7 @@ Attitude AttitudeFilter::estimated(const Imu& imu) {
   } else {
     predict(imu, time_s);
     gather(imu, time_s);
+    if (!is_upright({state_(0), state_(1), 0.0})) start(imu);  // what no robot measures led there
   }
   return {state_(0), state_(1), sd_rad()};
 }
@@ -95,6 +96,8 @@ void AttitudeFilter::start(const Imu& imu) {
   covariance_.setZero();
   covariance_.diagonal().head<2>().setConstant(square(kStartForceSd_mps2 / kGravity_mps2));
   covariance_.diagonal().tail<3>().setConstant(square(kRateBiasSd_radps));
+  force_variance_ = square(kForceSd_mps2);
+  num_means_ = 0;
   gathered_s_ = 0.0;
   num_gathered_ = 0;
   innovation_mps2_.setZero();

@@ -20,6 +20,8 @@ namespace orchard::pose {
 /// wheels do not tell included.
 class AttitudeFilter {
  public:
+  AttitudeFilter();
+
   /// Takes samples in order of time; earlier ones are ignored.
   void add(const Imu& imu);
   void add(const Odometry& odometry);
@@ -64,9 +66,6 @@ class AttitudeFilter {
   int num_gathered_ = 0;
   double force_variance_;  ///< of a mean [m2/s4]
   int num_means_ = 0;
-
- public:
-  AttitudeFilter();
 };
 
 }  // namespace orchard::pose

@@ -7,6 +7,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/tuning.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -17,10 +18,8 @@ using geometry::square;
 constexpr double kBody_m = 1.0;
 // physical: by hand and level a scanner is mounted parallel to the wheels within half a degree.
 constexpr double kMountSd_rad = 0.5 * geometry::kPi / 180.0;
-// physical: before any way is driven: bumps of a farm track tilt a robot by 5 degrees (1 sigma).
-constexpr double kStartSd = 0.09;
-constexpr double kHeldAsWay_m =
-    5.0 * kBody_m;  // derived: of five bodies a scatter is known to a third
+// derived: of five bodies' lengths a scatter is known to a third.
+constexpr double kHeldAsWay_m = 5.0 * kBody_m;
 
 }  // namespace
 
@@ -29,7 +28,7 @@ void GroundPlane::add(const Attitude& attitude, double distance_m, double turn_r
   if (!is_started_) {
     is_started_ = true;
     gradient_ = seen;
-    variance_ = square(kStartSd);
+    variance_ = square(kStartSlopeSd);
     return;
   }
   gradient_ = geometry::rotation(-turn_rad) * gradient_;

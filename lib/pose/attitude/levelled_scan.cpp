@@ -13,7 +13,7 @@ namespace orchard::pose {
 namespace {
 
 // derived: a return lower than this may be of the ground, one in 40 of which is higher; a surface
-// that begins so low is ground up to where none is.
+// that begins so low is ground up to where of the beams of thirty scans one is.
 constexpr float kGround_sigma = 2.0f;
 constexpr float kGroundMax_sigma = 4.0f;
 // derived: a beam without a return says nothing beyond half the scanner's range (see FreeSpace).
@@ -75,7 +75,7 @@ void ScanLeveller::level(laser::Scan& scan, const Attitude& first, const Attitud
   level_x_ = (level_x_.square() + level_y_.square()).sqrt();
   const double start_m = laser.z() - ground.gradient().dot(laser.head<2>());
   set_ranges(scan, ground, start_m);
-  leave_out_ground(scan);
+  if (mount_.height_m > 0.0) leave_out_ground(scan);
 }
 
 /// Makes ranges horizontal and finds the heights of the returns above the ground's plane.

@@ -21,7 +21,7 @@ class ScanLeveller {
 
   /// Makes ranges and bearings of a scan horizontal, by the tilt at its first and last beam, and
   /// sets its sway. Returns that may be of the ground become "nothing measured" (NaN), as do beams
-  /// without a return that meet it.
+  /// without a return that meet it, unless the mount's height is unknown (0).
   void level(laser::Scan& scan, const Attitude& first, const Attitude& last,
              const GroundPlane& ground);
 

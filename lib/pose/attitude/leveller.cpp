@@ -30,9 +30,6 @@ std::int64_t last_beam_utime(const laser::Scan& scan) {
   return scan.utime + std::llround(num_periods * scan.beam_period_us);
 }
 
-/// physical: no robot drives on its side; a tilt of more than 45 degrees is none.
-bool is_upright(const Attitude& a) { return std::cos(a.roll_rad) * std::cos(a.pitch_rad) > 0.7; }
-
 }  // namespace
 
 Leveller::Leveller(const LevellingConfig& config)

@@ -147,6 +147,21 @@ TEST(AttitudeFilter, KnowsTheTiltFromRatesAndForcesAsWellAsItSays) {
   EXPECT_LT(nees, band.most);
 }
 
+TEST(AttitudeFilter, BeginsAnewAfterWhatNoRobotMeasures) {
+  Waves drive(5);
+  AttitudeFilter filter;
+  for (int i = 0; i <= 3000; ++i) {
+    Imu imu = drive.imu(0.01 * i);
+    if (i % 2 == 0) filter.add(drive.odometry(0.01 * i));
+    if (i > 1000 && i < 1010) imu.angular_rate_radps = {1e3, -1e3, 1e3};
+    filter.add(imu);
+  }
+  const auto told = filter.at(Waves::utime(30.0));
+  const Matrix3d R = drive.R(30.0);
+  EXPECT_NEAR(told->roll_rad, std::atan2(R(2, 1), R(2, 2)), 4.0 * told->sd_rad);
+  EXPECT_LT(told->sd_rad, 2.0 * kDegree_rad);
+}
+
 // A gap of the unit: the tilt is not known to the old precision.
 TEST(AttitudeFilter, BeginsAnewAfterAGap) {
   Waves drive(3);

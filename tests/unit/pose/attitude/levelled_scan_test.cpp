@@ -150,6 +150,16 @@ TEST(ScanLeveller, LeavesOutTheGroundAndKeepsTheTreeBeforeIt) {
   EXPECT_GT(num_pole, 10);
 }
 
+TEST(ScanLeveller, LeavesInTheGroundOfAScannerOfUnknownHeight) {
+  laser::LaserConfig unknown = mount();
+  unknown.height_m = 0.0;
+  laser::Scan scan = empty_scan();
+  scan.ranges_m.assign(scan.ranges_m.size(), 3.0f);
+  ScanLeveller leveller(unknown, 0.1, 0.02);
+  leveller.level(scan, {0.0, 0.1, 0.0}, {0.0, 0.1, 0.0}, driven({0.0, 0.0}));
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) EXPECT_TRUE(scan.valid(i)) << i;
+}
+
 // What the beams of a tilted robot pass through, they pass through on the map: a wall behind a
 // place that is free shows it free, at its true bearing.
 TEST(ScanLeveller, FreeSpaceIsWhereTheBeamsWere) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/driver/port.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -11,6 +12,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -31,6 +33,9 @@ constexpr std::size_t kReadMax_bytes = 64 * 1024;
 
 /// Max bytes buffered for a device that does not read; commands are a few dozen bytes.
 constexpr std::size_t kUnsentMax_bytes = 64 * 1024;
+
+/// derived: a second of a scanner's packets, for a host that is held up.
+constexpr int kDatagramsHeld_bytes = 2 * 1024 * 1024;
 
 constexpr std::pair<int, speed_t> kBauds[] = {
     {4800, B4800},     {9600, B9600},     {19200, B19200},   {38400, B38400},   {57600, B57600},
@@ -53,8 +58,8 @@ std::optional<speed_t> speed_of(int baud) {
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
   throw std::invalid_argument("\"" + text + "\": " + why +
-                              "; write tcp:192.168.0.10:10940, serial:/dev/ttyACM0 or "
-                              "serial:/dev/ttyUSB0:115200");
+                              "; write tcp:192.168.0.10:10940, serial:/dev/ttyACM0, "
+                              "serial:/dev/ttyUSB0:115200, udp:2368 or udp:192.168.1.201:2368");
 }
 
 PortAddress parse_tcp(const std::string& text, const std::string& rest) {
@@ -67,6 +72,21 @@ PortAddress parse_tcp(const std::string& text, const std::string& rest) {
     address.host = address.host.substr(1, address.host.size() - 2);
   }
   address.service = rest.substr(colon + 1);
+  const std::optional<int> number = parse_whole(address.service);
+  if (!number || *number < 1 || *number > 65535) refuse(text, "its port must be 1 to 65535");
+  return address;
+}
+
+PortAddress parse_udp(const std::string& text, const std::string& rest) {
+  const std::size_t colon = rest.rfind(':');
+  PortAddress address;
+  address.kind = PortAddress::Kind::kUdp;
+  if (colon != std::string::npos) address.host = rest.substr(0, colon);
+  address.service = colon == std::string::npos ? rest : rest.substr(colon + 1);
+  in_addr numbers{};
+  if (colon != std::string::npos && inet_pton(AF_INET, address.host.c_str(), &numbers) != 1) {
+    refuse(text, "the sender must be an address of four numbers");
+  }
   const std::optional<int> number = parse_whole(address.service);
   if (!number || *number < 1 || *number > 65535) refuse(text, "its port must be 1 to 65535");
   return address;
@@ -116,6 +136,7 @@ bool set_up_terminal(int fileno, int baud) {
 std::string open_problem(const std::string& name, int error) {
   std::string text = "cannot open " + name + ": " + std::strerror(error);
   if (error == EACCES) text += " (add the user to group dialout)";
+  if (error == EADDRINUSE) text += " (another program receives on this port: stop it)";
   if (error == ENOENT) text += " (check that it is plugged in)";
   return text;
 }
@@ -124,9 +145,10 @@ std::string open_problem(const std::string& name, int error) {
 
 PortAddress parse_port(const std::string& text) {
   if (text.rfind("tcp:", 0) == 0) return parse_tcp(text, text.substr(4));
+  if (text.rfind("udp:", 0) == 0) return parse_udp(text, text.substr(4));
   if (text.rfind("serial:", 0) == 0) return parse_serial(text, text.substr(7));
   if (text.rfind('/', 0) == 0) return parse_serial(text, text);
-  refuse(text, "must begin with tcp: or serial:");
+  refuse(text, "must begin with tcp:, udp: or serial:");
 }
 
 Port::Port(PortAddress address) : address_(std::move(address)) {}
@@ -137,7 +159,9 @@ Port::~Port() {
 
 std::string Port::name() const {
   if (address_.kind == PortAddress::Kind::kSerial) return "serial:" + address_.path;
-  return "tcp:" + address_.host + ":" + address_.service;
+  if (address_.kind == PortAddress::Kind::kTcp)
+    return "tcp:" + address_.host + ":" + address_.service;
+  return "udp:" + address_.host + (address_.host.empty() ? "" : ":") + address_.service;
 }
 
 bool Port::poll_connection() {
@@ -145,6 +169,8 @@ bool Port::poll_connection() {
   if (state_ == State::kOpen || Clock::now() < next_attempt_) return false;
   if (address_.kind == PortAddress::Kind::kSerial) {
     open_serial();
+  } else if (address_.kind == PortAddress::Kind::kUdp) {
+    open_udp();
   } else {
     begin_tcp();
     if (state_ == State::kConnecting) return finish_tcp();
@@ -201,8 +227,47 @@ bool Port::finish_tcp() {
   return true;
 }
 
+void Port::open_udp() {
+  fileno_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_port = htons(static_cast<std::uint16_t>(parse_whole(address_.service).value_or(0)));
+  here.sin_addr.s_addr = htonl(INADDR_ANY);
+  if (fileno_ < 0 || bind(fileno_, reinterpret_cast<const sockaddr*>(&here), sizeof(here)) != 0) {
+    return close(open_problem(name(), errno));
+  }
+  setsockopt(fileno_, SOL_SOCKET, SO_RCVBUF, &kDatagramsHeld_bytes, sizeof(int));
+  state_ = State::kOpen;
+  problem_.clear();
+}
+
+/// Strangers are few, or there would be no end of them: after some it is the next call's turn.
+void Port::read_datagram(std::string& bytes) {
+  constexpr int kMaxStrangers = 100;
+  std::array<char, kReadMax_bytes> datagram;
+  for (int i = 0; i < kMaxStrangers; ++i) {
+    sockaddr_in from{};
+    socklen_t size = sizeof(from);
+    const ssize_t count = ::recvfrom(fileno_, datagram.data(), datagram.size(), 0,
+                                     reinterpret_cast<sockaddr*>(&from), &size);
+    if (count < 0) {
+      if (errno != EAGAIN && errno != EINTR) close(name() + ": " + std::strerror(errno));
+      return;
+    }
+    std::array<char, INET_ADDRSTRLEN> sender{};
+    in_addr wanted{};
+    inet_pton(AF_INET, address_.host.c_str(), &wanted);
+    if (address_.host.empty() || wanted.s_addr == from.sin_addr.s_addr) {
+      bytes.append(datagram.data(), static_cast<std::size_t>(count));
+      return;
+    }
+    stranger_ = inet_ntop(AF_INET, &from.sin_addr, sender.data(), sender.size());
+  }
+}
+
 void Port::read_into(std::string& bytes) {
   if (state_ != State::kOpen) return;
+  if (address_.kind == PortAddress::Kind::kUdp) return read_datagram(bytes);
   const std::size_t before = bytes.size();
   bytes.resize(before + kReadMax_bytes);
   const ssize_t count = ::read(fileno_, bytes.data() + before, kReadMax_bytes);
@@ -221,7 +286,7 @@ void Port::read_into(std::string& bytes) {
 }
 
 void Port::write(std::string_view bytes) {
-  if (state_ != State::kOpen) return;
+  if (state_ != State::kOpen || address_.kind == PortAddress::Kind::kUdp) return;
   unsent_ += bytes;
   if (unsent_.empty()) return;
   const ssize_t count = address_.kind == PortAddress::Kind::kTcp

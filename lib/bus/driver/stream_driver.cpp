@@ -115,6 +115,10 @@ DriverCondition StreamDriver::condition() const {
     const device::Condition said = protocol_->condition();
     condition.level = static_cast<Level>(said.severity);
     condition.text = said.text;
+    if (said.severity == device::Severity::kError && !port_.stranger().empty()) {
+      condition.text += "; " + port_.stranger() + " sends to this port too, and " + port_.name() +
+                        " leaves it out";
+    }
   }
   if (!raw_problem_.empty()) {
     condition.level = std::max(condition.level, Level::kWarning);

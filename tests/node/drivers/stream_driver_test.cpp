@@ -124,6 +124,12 @@ TEST(PortAddress, IsReadAsAPersonWritesIt) {
   EXPECT_EQ(parse_port("tcp:[::1]:7").host, "::1");
   EXPECT_EQ(parse_port("serial:/dev/ttyUSB0:57600").baud, 57600);
   EXPECT_EQ(parse_port("/dev/ttyACM0").path, "/dev/ttyACM0");
+  EXPECT_EQ(parse_port("udp:2368").service, "2368");
+  EXPECT_EQ(parse_port("udp:192.168.1.201:2368").host, "192.168.1.201");
+  for (const char* bad :
+       {"udp:", "udp:0", "udp::2368", "udp:host:2368", "udp:1.2.3.4", "udp:1.2.3.4:x"}) {
+    EXPECT_THROW(parse_port(bad), std::invalid_argument) << bad;
+  }
   for (const char* bad : {"", "tcp:", "tcp:host", "tcp::7", "tcp:h:0", "tcp:h:65536", "tcp:h:7x",
                           "serial:tty", "serial:/dev/x:12345", "usb:1"}) {
     EXPECT_THROW(parse_port(bad), std::invalid_argument) << bad;

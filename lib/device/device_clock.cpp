@@ -40,6 +40,12 @@ constexpr double kLearnByLine_us = 100e6;
 DeviceClock::DeviceClock(int num_bits, double tick_us)
     : period_us_(std::ldexp(tick_us, num_bits)), tick_us_(tick_us) {}
 
+DeviceClock DeviceClock::wrapping_after(double period_us) {
+  DeviceClock clock(32, 1.0);
+  clock.period_us_ = period_us;
+  return clock;
+}
+
 void DeviceClock::begin_connection() {
   talk_begins_ = true;
   reading_.reset();

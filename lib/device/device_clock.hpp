@@ -20,6 +20,9 @@ class DeviceClock {
   /// does.
   DeviceClock(int num_bits, double tick_us);
 
+  /// A counter of microseconds that starts again at 0 after `period_us`.
+  static DeviceClock wrapping_after(double period_us);
+
   /// A connection was made: no message of an earlier connection can arrive any more.
   void begin_connection();
 

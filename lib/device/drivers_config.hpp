@@ -129,8 +129,9 @@ void describe(Visitor& v, ImuDriverConfig& c) {
 
 /// Protocol of a laser scanner.
 enum class LaserProtocol {
-  kScip,  ///< Hokuyo: SCIP 2.0 and later
-  kCola,  ///< SICK TiM3xx, TiM5xx, TiM7xx, LMS1xx, LMS5xx: CoLa-A and CoLa-B
+  kScip,      ///< Hokuyo: SCIP 2.0 and later
+  kCola,      ///< SICK TiM3xx, TiM5xx, TiM7xx, LMS1xx, LMS5xx: CoLa-A and CoLa-B
+  kVelodyne,  ///< VLP-16 and Puck LITE: data packets by UDP
 };
 
 /// The scanner of orchard-laser-driver. Section `drivers.laser`.
@@ -138,14 +139,27 @@ struct LaserDriverConfig {
   std::string device;
   LaserProtocol protocol = LaserProtocol::kScip;
   double delay_s = 0.0;
+  double scanner_height_m = 0.0;
 };
 
 template <class Visitor>
 void describe(Visitor& v, LaserDriverConfig& c) {
-  v.text("device", c.device,
-         "address of the scanner: tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty = no "
-         "scanner");
-  v.choice("protocol", c.protocol, {"scip", "cola"}, "protocol: scip for Hokuyo, cola for SICK");
+  v.text(
+      "device", c.device,
+      "address of the scanner: tcp:192.168.0.10:10940, serial:/dev/ttyACM0:115200, or the port "
+      "that a Velodyne sends to: udp:2368, udp:192.168.1.201:2368 for that scanner only; empty = "
+      "no scanner");
+  v.choice("protocol", c.protocol, {"scip", "cola", "velodyne"},
+           "protocol: scip for Hokuyo, cola for SICK, velodyne for VLP-16");
+  v.number("scanner_height_m", c.scanner_height_m, 0, 5, "m",
+           "velodyne: height of the middle of the scanner above the ground, measured with a ruler; "
+           "its layers are joined at laser.height_m, or 0.3 m above the ground where that is 0");
+  const bool is_layered = c.protocol == LaserProtocol::kVelodyne;
+  v.check(!is_layered || c.scanner_height_m > 0.0, "scanner_height_m",
+          "must be above 0 with protocol velodyne: its layers are joined at a height above the "
+          "ground");
+  v.check(c.device.empty() || (c.device.rfind("udp:", 0) == 0) == is_layered, "device",
+          "must begin with udp: for protocol velodyne, with tcp: or serial: for the others");
   v.expert().number("delay_s", c.delay_s, -0.5, 0.5, "s",
                     "by how much the stamps of the scans are late, which are made earlier by it; "
                     "`orchard calibrate delay`");

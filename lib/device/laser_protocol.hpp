@@ -9,6 +9,8 @@
 namespace orchard::device {
 
 /// Makes the protocol object for a scanner. A new protocol is one more line in the source.
-std::unique_ptr<Protocol> make_laser_protocol(const LaserDriverConfig& config);
+/// `plane_height_m`: where layers are joined, above the ground; 0: where trunks are measured.
+std::unique_ptr<Protocol> make_laser_protocol(const LaserDriverConfig& config,
+                                              double plane_height_m = 0.0);
 
 }  // namespace orchard::device

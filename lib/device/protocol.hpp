@@ -47,7 +47,7 @@ class Protocol {
   /// A new connection was made: forgets partly read bytes and begins the dialogue.
   virtual void connected(std::int64_t host_utime) = 0;
 
-  /// Bytes arrived; they may be split at any position.
+  /// Bytes arrived; they may be split at any position. By UDP, a datagram.
   virtual void receive(std::string_view bytes, std::int64_t host_utime) = 0;
 
   /// Time at which to call expire() if nothing arrives before [us]; none: never.

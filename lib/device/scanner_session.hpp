@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "device/device_clock.hpp"
 #include "device/protocol.hpp"
@@ -38,6 +39,7 @@ class ScannerSession : public Protocol {
 
   /// Width and tick length of the scanner's clock.
   ScannerSession(int clock_bits, double tick_us) : clock_(clock_bits, tick_us) {}
+  explicit ScannerSession(DeviceClock clock) : clock_(std::move(clock)) {}
 
   /// Forgets the state of an earlier connection; call from connected().
   void reset_session();

@@ -6,7 +6,9 @@
 
 namespace orchard::procs {
 
-/// The scanner of a section of the rig's drivers, on SCAN or on SCAN.rear.
-bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus::Channel channel);
+/// The scanner of a section of the rig's drivers, on SCAN or on SCAN.rear. `plane_height_m`: that
+/// of its section laser or laser_rear.
+bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, double plane_height_m,
+                                    bus::Channel channel);
 
 }  // namespace orchard::procs

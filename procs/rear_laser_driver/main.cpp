@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
       "Configuration: drivers.laser_rear.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
-    return procs::make_laser_device(rig.config().drivers.laser_rear, bus::Channel::kScanRear);
+    return procs::make_laser_device(rig.config().drivers.laser_rear,
+                                    rig.config().laser_rear.height_m, bus::Channel::kScanRear);
   });
 }

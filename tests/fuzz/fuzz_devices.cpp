@@ -16,19 +16,23 @@
 #include "device/gnss/gpsd_protocol.hpp"
 #include "device/lines/controller_protocol.hpp"
 #include "device/scip/scip_protocol.hpp"
+#include "device/velodyne/velodyne_protocol.hpp"
 #include "fuzz/fuzz_seeds.hpp"
 
 namespace orchard::fuzz {
 namespace {
 
-/// Hands bytes to a protocol in pieces whose sizes follow from `pieces`, and asks and expires in
-/// between. What it measures passes the guard of the bus and comes with rising stamps per channel.
+/// Hands bytes to a protocol in pieces whose sizes follow from `pieces`, or in datagrams, and asks
+/// and expires in between. What it measures passes the guard of the bus and comes with rising
+/// stamps per channel.
 void feed(device::Protocol& protocol, std::string_view bytes, std::uint8_t pieces) {
+  const bool is_udp = dynamic_cast<device::VelodyneProtocol*>(&protocol) != nullptr;
   std::int64_t host_utime = 1'700'000'000'000'000;
   std::map<bus::Channel, std::int64_t> last_utime;
   protocol.connected(host_utime);
   for (std::size_t i = 0; !bytes.empty(); ++i) {
-    const std::size_t size = 1 + (pieces * (i + 7)) % 61;
+    const std::size_t size =
+        is_udp ? device::VelodynePacket::kNumBytes : 1 + (pieces * (i + 7)) % 61;
     host_utime += 3000;
     protocol.receive(bytes.substr(0, size), host_utime);
     bytes.remove_prefix(std::min(size, bytes.size()));
@@ -61,7 +65,7 @@ void feed(device::Protocol& protocol, std::string_view bytes, std::uint8_t piece
 }
 
 std::unique_ptr<device::Protocol> make_protocol(std::uint8_t choice) {
-  switch (choice % 4) {
+  switch (choice % 5) {
     case 0:
       return std::make_unique<device::ScipProtocol>();
     case 1:
@@ -71,6 +75,9 @@ std::unique_ptr<device::Protocol> make_protocol(std::uint8_t choice) {
       config.stamp = choice % 8 < 4 ? device::GnssStamp::kReceipt : device::GnssStamp::kFixTime;
       return std::make_unique<device::GpsdProtocol>(config);
     }
+    case 4:
+      return std::make_unique<device::VelodyneProtocol>(
+          device::VelodyneMount{0.1 * (1 + choice % 30)});
     default: {
       device::OdometryDriverConfig odometry;
       odometry.counter_bits = 8 + choice % 57;
@@ -174,12 +181,34 @@ std::vector<std::string> lines_seeds() {
           "\x40\nV 0.52 -0.013 @1500000*1A\nV 1 0\n\r\n*00\n@5\n"};
 }
 
+/// A turn and a bit of a VLP-16, which sees nothing.
+std::vector<std::string> velodyne_seeds() {
+  std::string packets = "\x01";
+  const auto put_two = [&packets](unsigned value) {
+    packets += static_cast<char>(value & 0xffu);
+    packets += static_cast<char>(value >> 8 & 0xffu);
+  };
+  for (unsigned packet = 0; packet < 180; ++packet) {
+    for (unsigned block = 0; block < 12; ++block) {
+      put_two(0xeeff);
+      put_two((packet * 12 + block) * 40 % 36000);
+      packets.append(96, '\0');
+    }
+    const unsigned stamp_us = packet * 13271 / 10;
+    put_two(stamp_us & 0xffffu);
+    put_two(stamp_us >> 16);
+    packets += "7\x22";
+  }
+  return {packets};
+}
+
 }  // namespace
 
 std::vector<std::string> seeds() {
   std::vector<std::string> all;
   char choice = 0;
-  for (const auto& seeds_of : {scip_seeds(), cola_seeds(), gpsd_seeds(), lines_seeds()}) {
+  for (const auto& seeds_of :
+       {scip_seeds(), cola_seeds(), gpsd_seeds(), lines_seeds(), velodyne_seeds()}) {
     for (const std::string& seed : seeds_of) all.push_back(choice + seed);
     ++choice;
   }

@@ -412,6 +412,9 @@ EXPERIMENTS = {
         Row("faults", "faults of scanners (70 and 5 % of sweeps damaged, motor, dirty screen, silence, getting ready, another "
             "device), of lines and receivers, 14: said at their level; most seconds until said, without the 5 %", "all; 5 s", "none / all"),
     ]),
+    "velodyne": Experiment("Cost", command="tests/experiments/velodyne_cost.py", rows=[
+        Row("cpu", "orchard-laser-driver on packets of a VLP-16 at 600 rpm by UDP, share of a core: one return; two", "10 %", "none / all"),
+    ]),
     "benchmark": Experiment("Cost", command="tests/benchmark/benchmark.sh", rows=[
         Row("detector", "detector, JPEG to detections, against the whole frame by OpenCV; with a learnt appearance",
             "0.35", "-"),

@@ -74,6 +74,11 @@ int main(int argc, char** argv) {
     over_claim += 0.5 * (roll * roll + pitch * pitch) / (told->sd_rad * told->sd_rad);
     ++num;
   }
+  if (num == 0) {
+    std::fprintf(stderr, "attitude_trials: no IMU of %s after 10 s has a pose in %s\n", argv[1],
+                 argv[2]);
+    return 1;
+  }
   orchard::trials::print_json(
       {{"num", num}, {"rms_rad", std::sqrt(squares / num)}, {"over_claim", over_claim / num}});
   return 0;

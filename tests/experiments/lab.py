@@ -2,6 +2,7 @@
 """What experiments are made of: rigs with overlays, drives and maps kept by what they were made with, programs."""
 import concurrent.futures
 import csv
+import fcntl
 import hashlib
 import json
 import math
@@ -11,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -118,18 +120,23 @@ class Lab:
         return hashlib.sha256("".join(self._digest_of(path) for path in paths).encode()).hexdigest()
 
     def made(self, kind, ingredients, make):
-        """The folder of what make(folder) makes, made once for these ingredients."""
+        """The folder of what make(folder) makes, made once for these ingredients, whichever jobs of whichever program ask at once."""
         text = json.dumps(ingredients, sort_keys=True)
         folder = self.out / "made" / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:16]}"
         if (folder / "made_of.json").is_file():
             return folder
-        part = folder.with_suffix(f".part{os.getpid()}")
-        shutil.rmtree(part, ignore_errors=True)
-        part.mkdir(parents=True)
-        make(part)
-        (part / "made_of.json").write_text(text + "\n")
-        shutil.rmtree(folder, ignore_errors=True)
-        part.rename(folder)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with open(folder.with_suffix(".lock"), "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # let go when the file is closed, by a killed program, too
+            if (folder / "made_of.json").is_file():
+                return folder
+            part = folder.with_suffix(".part")
+            for left in (part, folder):
+                shutil.rmtree(left, ignore_errors=True)
+            part.mkdir()
+            make(part)
+            (part / "made_of.json").write_text(text + "\n")
+            part.rename(folder)
         return folder
 
     # rigs, drives, maps
@@ -142,7 +149,10 @@ class Lab:
     def rig_file(self, text):
         path = self.out / "rigs" / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.yaml"
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+        if not path.is_file():  # a file that is written again is empty for a moment, and another job may read it
+            with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="utf-8") as part:
+                part.write(text)
+            os.replace(part.name, path)
         return path
 
     def drive(self, rig, seed, scene="orchard", seconds=0, start_s=None, looks=False):

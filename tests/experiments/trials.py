@@ -442,7 +442,7 @@ def hills(lab, seeds):
     for how, name in enumerate(("", "level_")):
         for bumps in BUMPS_M3:
             figures.update(figures_of(SLOPES_PERCENT, bumps, how, name))
-    tilts = [tilt for _, tilt in judged.values() if tilt["num"]]
+    tilts = [tilt for _, tilt in judged.values()]
     figures["tilt"] = f"{math.degrees(math.sqrt(mean(t['rms_rad'] ** 2 for t in tilts))):.2f}"
     figures["tilt_most"] = f"{math.degrees(max(t['rms_rad'] for t in tilts)):.2f}"
     figures["tilt_over_claim"] = f"{mean(t['over_claim'] for t in tilts):.2f}"

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """experiment_test.py SOURCE_TREE: tests/RESULTS.md is what the stored figures make; rigs take overlays; what an
-older program made is not used again."""
+older program made is not used again, and jobs at once share what one of them makes."""
+import concurrent.futures
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import threading
 
 sys.dont_write_bytecode = True
 TREE = pathlib.Path(sys.argv[1])
@@ -60,6 +63,32 @@ def check_store(folder):
     program.write_text("another program")
     of("a")
     assert len(times) == 3, "what an older program made was used again"
+    check_jobs_at_once(bench)
+    # A rig that a program may be reading is not written again.
+    path = bench.rig_file(RIG)
+    os.utime(path, (1, 1))
+    assert bench.rig_file(RIG).stat().st_mtime == 1 and path.read_text() == RIG
+    assert list(path.parent.iterdir()) == [path]
+
+
+def check_jobs_at_once(bench):
+    """Jobs that want the same thing at once get one whole thing, made once."""
+    together, made = threading.Barrier(8), []
+
+    def make(out):
+        made.append(out)
+        (out / "log").write_text("a part")
+        for _ in range(50):
+            assert [file.name for file in out.iterdir()] == ["log"]
+        (out / "log").write_text("the whole")
+
+    def job(_):
+        together.wait()
+        return (bench.made("log", {"at": "once"}, make) / "log").read_text()
+
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(job, range(8))) == 8 * ["the whole"]
+    assert len(made) == 1, made
 
 
 def check_catalogue():

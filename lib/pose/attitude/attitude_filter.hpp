@@ -17,7 +17,9 @@ namespace orchard::pose {
 ///
 /// The wheels tell the robot's own acceleration, which is taken out of the specific force. The
 /// force is compared in means of a second, whose scatter tells its noise: shaking and what the
-/// wheels do not tell included.
+/// wheels do not tell included. Without wheels, or once they are silent for a second, the speed is
+/// unknown: while the robot turns, the force across it is believed only as far as the speed is
+/// known.
 class AttitudeFilter {
  public:
   AttitudeFilter();
@@ -38,14 +40,18 @@ class AttitudeFilter {
   static constexpr std::int64_t kFresh_us = 200'000;
 
  private:
-  using Vector5 = Eigen::Matrix<double, 5, 1>;
-  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  /// derived: the order of the state: roll, pitch, three biases, speed.
+  static constexpr Eigen::Index kBiases = 2, kSpeed = 5;
   struct Sample {
     std::int64_t utime;
     Attitude attitude;
   };
 
   Attitude estimated(const Imu& imu);
+  void set_speed(double speed_mps, double variance_m2ps2);
+  bool has_wheels(std::int64_t utime) const;
   void start(const Imu& imu);
   void predict(const Imu& imu, double time_s);
   void gather(const Imu& imu, double time_s);
@@ -56,12 +62,13 @@ class AttitudeFilter {
   std::deque<Sample> samples_;  ///< of the last second and a half
   double heading_rate_radps_ = 0.0;
 
-  // By rates and forces: roll, pitch and the biases of the rates.
-  Vector5 state_ = Vector5::Zero();
-  Matrix5 covariance_ = Matrix5::Zero();
+  // By rates and forces: roll, pitch, the biases of the rates, the speed along x.
+  Vector6 state_ = Vector6::Zero();
+  Matrix6 covariance_ = Matrix6::Zero();
   std::optional<Odometry> odometry_;
   double acceleration_mps2_ = 0.0;  ///< along x, by the newest two odometries
   Eigen::Vector2d innovation_mps2_ = Eigen::Vector2d::Zero();  ///< sum of a mean
+  double turned_radps_ = 0.0;                                  ///< sum of a mean, about z
   double gathered_s_ = 0.0;
   int num_gathered_ = 0;
   double force_variance_;  ///< of a mean [m2/s4]

@@ -40,6 +40,11 @@ inline constexpr double kHardlyTilted_deg = 16.0;
 /// Widths of the vote and of the robust weight.
 inline constexpr double kVoteWidth_px = 2.0;
 inline constexpr double kTukey_px = 3.0;
+/// Min roc of an image edge that is compared with the laser's; weaker lines are texture and
+/// background.
+inline constexpr double kEdgeRocMin = 0.5;
+/// Tolerance of the width in the image against the laser's, beside a beam step and a pixel.
+inline constexpr double kWidthToleranceFraction = 0.15;
 /// Min inlier fraction; smaller ones occur by chance.
 inline constexpr double kAgreeingMin = 0.4;
 

@@ -9,6 +9,7 @@
 
 #include "detection/trunk_view.hpp"
 #include "geometry/angles.hpp"
+#include "timing/units.hpp"
 #include "vision/edges.hpp"
 
 namespace orchard::detection {
@@ -36,13 +37,17 @@ constexpr double kTiltFine_deg = 0.8;
 /// some thousands are asked.
 constexpr double kBetter_sigma = 5.0;
 constexpr std::size_t kSidesMin = 40;
-/// derived: pictures before the first answer: a quarter of a minute.
-constexpr std::size_t kFirstJudgement = 15;
+/// derived: time between two pictures [s], and pictures of a window: enough to tell a degree; more
+/// only cost. The first answer comes after a quarter of it.
+constexpr double kPeriod_s = 1.0;
+constexpr std::size_t kWindow = 60;
 /// derived: with these the right camera stands out by tens of standard deviations; more only cost.
 constexpr std::size_t kSidesMax = 300;
 // physical: a camera calibrated once is within these; beyond them trunks are taken for others'.
-constexpr double kYawTolerance_deg = 2.5;
+constexpr double kYawTolerance_deg = 1.5;
 constexpr double kTiltTolerance_deg = 3.0;
+/// derived: leaning lines met at another height than the scan's are shifted by up to this.
+constexpr double kTiltShift_deg = 2.5;
 constexpr double kFocalTolerance = 0.15;
 constexpr double kDelayTolerance_s = 0.075;
 
@@ -89,6 +94,12 @@ double slope_at(const Eigen::Vector2d& pixel, const Rig& rig) {
   return std::abs(down) < 1e-3 ? 0.0 : fc_px[0] / fc_px[1] * (up.x() - n.x() * up.z()) / down;
 }
 
+void add_once(const Finding& finding, std::vector<Finding>& findings) {
+  const bool is_known = std::any_of(findings.begin(), findings.end(),
+                                    [&](const Finding& f) { return f.name == finding.name; });
+  if (!is_known) findings.push_back(finding);
+}
+
 /// The middle half of the picture, in bands of equal height; empty if it is too low for them.
 vision::PixelRect bands_area(const Rig& rig) {
   const vision::PixelRect whole = picture_of(rig);
@@ -96,10 +107,6 @@ vision::PixelRect bands_area(const Rig& rig) {
 }
 
 }  // namespace
-
-vision::PixelRect sight_area(const Rig& rig) {
-  return vision::edge_reading_area(bands_area(rig), picture_of(rig));
-}
 
 std::optional<CameraSight> camera_sight(const LaserFindings& findings,
                                         vision::PictureReader& picture, const Rig& rig,
@@ -112,6 +119,8 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
   for (const Candidate& candidate : findings.candidates) {
     const auto seen = sides_of(candidate.segment, rig, to_exposure);
     if (!seen) continue;
+    const auto view = view_of(candidate.segment, rig, to_exposure);
+    if (view) picture.expect(reading_area(*view, rig));
     double rate_px_per_s = 0.0;
     if (to_exposure) {
       ScanToPicture later = *to_exposure;
@@ -131,7 +140,7 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
   const vision::PixelRect middle = bands_area(rig);
   const int band_rows = middle.height_px / kBands;
   if (band_rows < 1) return std::nullopt;
-  const auto pixels = picture.read(sight_area(rig));
+  const auto pixels = picture.read(vision::edge_reading_area(middle, whole));
   if (!pixels) return std::nullopt;
   const vision::EdgeMap map = vision::edge_map(*pixels, middle, rig.detector.edges);
   for (int band = 0; band < kBands; ++band) {
@@ -195,16 +204,27 @@ double CameraCheck::score(const Camera& camera, const Tilt& tilt) const {
 /// The step between the pictures that are used: a part of many is enough.
 std::size_t CameraCheck::stride() const { return num_sides_ / kSidesMax + 1; }
 
+bool LookTimes::take(std::int64_t utime) {
+  if (last_utime_ && timing::seconds(utime - *last_utime_) < kPeriod_s) return false;
+  last_utime_ = utime;
+  return true;
+}
+
 void CameraCheck::add(CameraSight sight) {
   num_sides_ += sight.sides.size();
   sights_.push_back(std::move(sight));
+  ++num_added_;
+  if (sights_.size() > kWindow) {
+    num_sides_ -= sights_.front().sides.size();
+    sights_.pop_front();
+  }
+  if (num_added_ == kWindow / 4 || num_added_ == kWindow / 2 || num_added_ % kWindow == 0) judge();
 }
 
-const std::vector<Finding>& CameraCheck::findings() const {
-  const std::size_t enough =
-      is_finished_ ? num_judged_ + 1 : std::max(kFirstJudgement, 2 * num_judged_);
-  if (sights_.size() >= enough) judge();
-  return findings_;
+void CameraCheck::finish() {
+  if (num_judged_ < num_added_) judge();
+  for (const Finding& finding : findings_) add_once(finding, of_run_);
+  findings_ = of_run_;
 }
 
 /// The best camera of those that are zoomed, delayed and shifted by at most so many steps.
@@ -223,9 +243,13 @@ CameraCheck::Fit CameraCheck::best_of(double sign, int num_zooms, int num_delays
   return best;
 }
 
-void CameraCheck::judge() const {
+void CameraCheck::judge() {
+  // What a full window said stays true of the run; a short one may yet think better of it.
+  if (num_judged_ >= kWindow) {
+    for (const Finding& finding : findings_) add_once(finding, of_run_);
+  }
   findings_.clear();
-  num_judged_ = sights_.size();
+  num_judged_ = num_added_;
   if (num_sides_ < kSidesMin) return;
   const double focal_px = rig_.camera.intrinsics().fc_px[0];
   const auto steps = [focal_px](double angle_deg) {
@@ -246,7 +270,7 @@ void CameraCheck::judge() const {
   if (findings_.empty()) judge_tilt();
 }
 
-void CameraCheck::name(const Camera& best) const {
+void CameraCheck::name(const Camera& best) {
   const double focal_px = rig_.camera.intrinsics().fc_px[0];
   const std::string by = fmt::format(" (edges of {} pictures against the scans)", sights_.size());
   const double yaw_deg = std::atan(best.shift_px / focal_px) * 180.0 / geometry::kPi;
@@ -278,9 +302,8 @@ void CameraCheck::name(const Camera& best) const {
   }
 }
 
-void CameraCheck::judge_tilt() const {
-  const double shift_max_px =
-      rig_.camera.intrinsics().fc_px[0] * std::tan(radians(kYawTolerance_deg));
+void CameraCheck::judge_tilt() {
+  const double shift_max_px = rig_.camera.intrinsics().fc_px[0] * std::tan(radians(kTiltShift_deg));
   const int num_shifts = static_cast<int>(shift_max_px / kShiftStep_px);
   // Leaning lines met at one height are shifted: the best shift goes with each tilt.
   const auto best_shifted = [&](const Tilt& tilt) {

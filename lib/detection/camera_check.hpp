@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -28,32 +30,36 @@ struct CameraSight {
   std::vector<Side> sides;
 };
 
-/// The area of the picture that camera_sight() reads.
-vision::PixelRect sight_area(const Rig& rig);
-
 /// The edges and sides of a picture; none without an object in view, or if the picture does not
-/// decode.
+/// decode. Also announces what judge_by_camera() will read, so that it is decoded only once.
 std::optional<CameraSight> camera_sight(const LaserFindings& findings,
                                         vision::PictureReader& picture, const Rig& rig,
                                         const std::optional<Motion>& motion);
 
-/// Asks which other camera would explain the pictures of a drive much better than the rig's: one
-/// that is turned, flipped, zoomed or delayed. It counts the upright edges that lie where the laser
-/// saw the sides of objects, over a grid of all such cameras; edges by chance count equally for all
-/// of them.
+/// Picks the pictures to look at: one a second of message time, because edges are costly.
+class LookTimes {
+ public:
+  /// Whether the picture of a scan at this time [us] is one of them; call once for each, in order.
+  bool take(std::int64_t utime);
+
+ private:
+  std::optional<std::int64_t> last_utime_;
+};
+
+/// Asks which other camera would explain the last minute of pictures much better than the rig's:
+/// one that is turned, flipped, zoomed or delayed. It counts the upright edges that lie where the
+/// laser saw the sides of objects, over a grid of all such cameras; edges by chance count equally
+/// for all of them.
 class CameraCheck {
  public:
   explicit CameraCheck(const Rig& rig) : rig_(rig) {}
 
-  /// derived: number of pictures to look at: enough to tell a degree; more only cost.
-  static constexpr int kPicturesMax = 60;
-
+  /// Adds a picture, and judges the window after 15, 30 and 60 of them and after each 60 more.
   void add(CameraSight sight);
-  /// What was found in the pictures so far. They are judged when this is called: anew after a
-  /// doubling of them, and at the end.
-  const std::vector<Finding>& findings() const;
-  /// Ends the input.
-  void finish() { is_finished_ = true; }
+  /// Ends the input: from now on the findings are those of the whole run.
+  void finish();
+  /// What contradicts the rig's camera in the window when it was last judged.
+  const std::vector<Finding>& findings() const { return findings_; }
 
  private:
   struct Camera;
@@ -62,16 +68,17 @@ class CameraCheck {
   double score(const Camera& camera, const Tilt& tilt) const;
   std::size_t stride() const;
   Fit best_of(double sign, int num_zooms, int num_delays, int num_shifts) const;
-  void judge() const;
-  void name(const Camera& best) const;
-  void judge_tilt() const;
+  void judge();
+  void name(const Camera& best);
+  void judge_tilt();
 
   const Rig& rig_;
-  std::vector<CameraSight> sights_;
-  std::size_t num_sides_ = 0;
-  bool is_finished_ = false;
-  mutable std::size_t num_judged_ = 0;  ///< pictures behind findings_
-  mutable std::vector<Finding> findings_;
+  std::deque<CameraSight> sights_;  ///< the window
+  std::size_t num_sides_ = 0;       ///< in the window
+  std::size_t num_added_ = 0;
+  std::size_t num_judged_ = 0;  ///< of num_added_
+  std::vector<Finding> findings_;
+  std::vector<Finding> of_run_;  ///< of all full windows, each kind once
 };
 
 }  // namespace orchard::detection

@@ -9,18 +9,6 @@
 
 namespace orchard::detection {
 
-/// Monitor that warns when laser and image edges disagree for long. Section
-/// `detector.extrinsics_monitor`.
-struct ConsistencyConfig {
-  bool enabled = true;
-};
-
-template <class Visitor>
-void describe(Visitor& v, ConsistencyConfig& c) {
-  v.flag("enabled", c.enabled,
-         "compare laser and image edges while driving and warn if they disagree for long");
-}
-
 /// Model that computes roc_colour of a window.
 enum class ColourModel {
   kHueInterval,  ///< the paper's rule; section `detector.colour`
@@ -54,7 +42,6 @@ struct DetectorConfig {
   /// Compensates the motion from each beam's time to the exposure by ODOMETRY; scans then wait for
   /// ODOMETRY, too.
   bool use_odometry = false;
-  ConsistencyConfig extrinsics_monitor;
 };
 
 template <class Visitor>
@@ -92,8 +79,6 @@ void describe(Visitor& v, DetectorConfig& c) {
           "must not be above image_wait_s, otherwise the picture comes too late");
   v.flag("use_odometry", c.use_odometry,
          "compensate the motion of the robot between beam and picture by ODOMETRY");
-  v.expert().section("extrinsics_monitor", c.extrinsics_monitor,
-                     "monitor of the laser-camera extrinsics");
 }
 
 /// Sensor models, extrinsics and detector parameters of one robot.

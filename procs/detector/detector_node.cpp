@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detector/detector_node.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "bus/messages/channel.hpp"
-#include "geometry/angles.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {
@@ -135,21 +133,11 @@ std::string InputHealth::odometry_text(bool ended, std::int64_t num_without_moti
 }
 
 JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
-                      const detection::Rig& rig, const CameraQuestions& questions) {
+                      const detection::Rig& rig, bool wants_sight) {
   JudgedPair judged;
   std::optional<vision::PictureReader> picture;
   if (pair.image) picture.emplace(*pair.image);
-  // find_candidate_edges() also announces what judge_by_camera() reads, so the picture is decoded
-  // once for all three.
-  if (picture && questions.sight) picture->expect(detection::sight_area(rig));
-  if (picture && questions.edge_reach_px) {
-    judged.edge_offsets_px.emplace();
-    for (const auto& seen : detection::find_candidate_edges(findings, *picture, rig, pair.motion,
-                                                            *questions.edge_reach_px)) {
-      judged.edge_offsets_px->push_back(seen.offsets.front().middle_px());
-    }
-  }
-  if (picture && questions.sight) {
+  if (picture && wants_sight) {
     judged.sight = detection::camera_sight(findings, *picture, rig, pair.motion);
   }
   judged.result = detection::judge_by_camera(std::move(findings), picture ? &*picture : nullptr,
@@ -160,24 +148,21 @@ JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanIm
 void PrecomputedDetections::compute() {
   if (scan_alone_ != nullptr) alone = detection::detect(*scan_alone_, nullptr, *rig_);
   for (Pair& p : pairs) {
-    p.judged = judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.questions);
+    p.judged =
+        judge_pair(detection::find_by_laser(p.pair.scan, *rig_), p.pair, *rig_, p.wants_sight);
   }
 }
 
 bool PrecomputedDetections::Pair::is_of(const detection::ScanImagePair& other,
-                                        const CameraQuestions& others) const {
+                                        bool other_wants_sight) const {
   return pair.scan.utime == other.scan.utime && pair.scan.seq == other.scan.seq &&
          are_equal(pair.image, other.image) && are_equal(pair.motion, other.motion) &&
-         questions == others;
+         wants_sight == other_wants_sight;
 }
 
 DetectionPrecomputer::DetectionPrecomputer(const io::Config& config, const detection::Rig& rig,
-                                           const detection::Rig* rear_rig, double edge_reach_px)
-    : rig_(rig),
-      rear_rig_(rear_rig),
-      edge_reach_px_(edge_reach_px),
-      pairer_(make_pairer(config)),
-      monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]) {}
+                                           const detection::Rig* rear_rig)
+    : rig_(rig), rear_rig_(rear_rig), pairer_(make_pairer(config)) {}
 
 std::unique_ptr<PrecomputedDetections> DetectionPrecomputer::precompute(const bus::Message& input) {
   auto precomputed = std::make_unique<PrecomputedDetections>();
@@ -201,12 +186,8 @@ std::unique_ptr<PrecomputedDetections> DetectionPrecomputer::precompute(const bu
         detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
   }
   for (detection::ScanImagePair& pair : pairs) {
-    CameraQuestions questions;
-    if (pair.image && monitor_.is_due(pair.scan.utime)) {
-      questions = {edge_reach_px_, num_sights_++ < detection::CameraCheck::kPicturesMax};
-      monitor_.add(pair.scan.utime, {});
-    }
-    precomputed->pairs.push_back({std::move(pair), questions, {}});
+    const bool wants_sight = pair.image && look_times_.take(pair.scan.utime);
+    precomputed->pairs.push_back({std::move(pair), wants_sight, {}});
   }
   return precomputed;
 }
@@ -220,10 +201,7 @@ DetectorNode::DetectorNode(const io::Config& config)
     : levelled_(config),
       rig_(config.laser, config.camera, config.detector),
       pairer_(make_pairer(config)),
-      monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       camera_check_(rig_),
-      edge_reach_px_(config.camera.intrinsics.fc_px[0] *
-                     std::tan(detection::tuning::kSearchWindow_deg * geometry::kPi / 180.0)),
       health_(config),
       range_noise_(config.laser, config.detector.segmentation.blind_sector(),
                    config.detector.segmentation.range_max_m, config.detector.segmentation.jump_m) {
@@ -231,7 +209,7 @@ DetectorNode::DetectorNode(const io::Config& config)
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
     joiner_.emplace(config.laser, config.detector.image_wait_s, levelled_.has_wheels());
   }
-  precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
+  precomputer_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr);
 }
 
 std::vector<bus::Channel> DetectorNode::inputs() const {
@@ -311,12 +289,9 @@ std::string DetectorNode::waiting_for() const {
 }
 
 std::string DetectorNode::warning() const {
-  std::string all = ended_ ? monitor_.run_summary() : monitor_.warning();
-  for (const std::string& text :
-       {health_.text(ended_, pairer_.num_without_motion()), levelled_.warning()}) {
-    if (!text.empty()) all += (all.empty() ? "" : "; ") + text;
-  }
-  return all;
+  const std::string health = health_.text(ended_, pairer_.num_without_motion());
+  const std::string levelled = levelled_.warning();
+  return health + (health.empty() || levelled.empty() ? "" : "; ") + levelled;
 }
 
 std::vector<Finding> DetectorNode::findings() const {
@@ -344,16 +319,13 @@ detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
 JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
   std::optional<detection::LaserFindings> findings = std::move(findings_.front());
   findings_.pop_front();
-  CameraQuestions questions;
-  if (pair.image && monitor_.is_due(pair.scan.utime)) {
-    questions = {edge_reach_px_, num_sights_++ < detection::CameraCheck::kPicturesMax};
-  }
+  const bool wants_sight = pair.image && look_times_.take(pair.scan.utime);
   if (precomputed_ && num_precomputed_used_ < precomputed_->pairs.size()) {
     PrecomputedDetections::Pair& precomputed = precomputed_->pairs[num_precomputed_used_++];
-    if (precomputed.is_of(pair, questions)) return std::move(precomputed.judged);
+    if (precomputed.is_of(pair, wants_sight)) return std::move(precomputed.judged);
   }
   if (!findings) findings = detection::find_by_laser(pair.scan, rig_);
-  return judge_pair(*std::move(findings), pair, rig_, questions);
+  return judge_pair(*std::move(findings), pair, rig_, wants_sight);
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
@@ -363,7 +335,6 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   } else {
     health_.note_no_picture();
   }
-  if (judged.edge_offsets_px) monitor_.add(pair.scan.utime, *judged.edge_offsets_px);
   if (judged.sight) camera_check_.add(*std::move(judged.sight));
   detection::DetectResult& result = judged.result;
   if (result.image_needed) health_.note_needed_picture(*pair.image, !result.image_unusable);

@@ -11,7 +11,6 @@
 #include "bus/node/levelled_inputs.hpp"
 #include "bus/node/node.hpp"
 #include "detection/camera_check.hpp"
-#include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
 #include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
@@ -69,26 +68,13 @@ class InputHealth {
 /// Detections of a scan and its picture.
 struct JudgedPair {
   detection::DetectResult result;
-  /// Found minus expected column of each object's centre [px]; none when the edges were not
-  /// compared.
-  std::optional<std::vector<double>> edge_offsets_px;
   std::optional<detection::CameraSight> sight;  ///< for CameraCheck; none when not asked for
 };
 
-/// What the monitors of the camera want to know of a picture.
-struct CameraQuestions {
-  std::optional<double> edge_reach_px;  ///< the window [px] of the extrinsics monitor
-  bool sight = false;
-
-  bool operator==(const CameraQuestions& o) const {
-    return edge_reach_px == o.edge_reach_px && sight == o.sight;
-  }
-};
-
-/// Classifies the laser findings of a scan with its picture. A pure function. `questions` have no
+/// Classifies the laser findings of a scan with its picture. A pure function. `wants_sight` has no
 /// effect on the detections.
 JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
-                      const detection::Rig& rig, const CameraQuestions& questions);
+                      const detection::Rig& rig, bool wants_sight);
 
 /// The detector's results for one input, computed ahead of its turn.
 class PrecomputedDetections : public bus::Precomputation {
@@ -100,11 +86,11 @@ class PrecomputedDetections : public bus::Precomputation {
   /// The scan-image pairs completed by the input, in order.
   struct Pair {
     detection::ScanImagePair pair;
-    CameraQuestions questions;
+    bool wants_sight;
     JudgedPair judged;
 
-    /// True if this is the pair and the questions that the detector itself arrived at.
-    bool is_of(const detection::ScanImagePair& other, const CameraQuestions& others) const;
+    /// True if this is the pair and the wish that the detector itself arrived at.
+    bool is_of(const detection::ScanImagePair& other, bool other_wants_sight) const;
   };
   std::vector<Pair> pairs;
 
@@ -120,7 +106,7 @@ class DetectionPrecomputer {
  public:
   /// Both rigs must outlive this object and its results; `rear_rig` may be null.
   DetectionPrecomputer(const io::Config& config, const detection::Rig& rig,
-                       const detection::Rig* rear_rig, double edge_reach_px);
+                       const detection::Rig* rear_rig);
 
   /// Takes the inputs in order. Every scan gives a result.
   std::unique_ptr<PrecomputedDetections> precompute(const bus::Message& input);
@@ -128,10 +114,8 @@ class DetectionPrecomputer {
  private:
   const detection::Rig& rig_;
   const detection::Rig* rear_rig_;
-  double edge_reach_px_;
   detection::ScanImagePairer pairer_;
-  detection::ConsistencyMonitor monitor_;  ///< only for is_due()
-  int num_sights_ = 0;                     ///< asked for so far
+  detection::LookTimes look_times_;
 };
 
 /// Makes the pairer of scans and pictures for a configuration.
@@ -144,8 +128,7 @@ detection::ScanImagePairer make_pairer(const io::Config& config);
 /// trunk candidates are UNSEEN. With detector.use_odometry it also waits for the ODOMETRY at the
 /// picture's time, to compensate the motion between the two; if none arrives within image_wait_s,
 /// the pair is used without it, and warning() says so. warning() also reports other faults of the
-/// inputs (InputHealth) and a lasting disagreement of laser and image edges
-/// (detector.extrinsics_monitor).
+/// inputs (InputHealth). findings() are those of CameraCheck and of the ranges' noise.
 ///
 /// With laser_rear.enabled the detections of SCAN.rear are joined with those of SCAN into one
 /// message; odometry, where the rig has it, compensates the motion between the two scans.
@@ -195,10 +178,8 @@ class DetectorNode : public bus::Node {
   std::int32_t next_seq_ = 0;
   std::int64_t num_unusable_ = 0;     ///< unusable pictures, and scans without intensities
   bool intensities_missing_ = false;  ///< of the newest scan answered
-  detection::ConsistencyMonitor monitor_;
+  detection::LookTimes look_times_;
   detection::CameraCheck camera_check_;
-  int num_sights_ = 0;  ///< asked for so far
-  double edge_reach_px_;
   InputHealth health_;
   laser::RangeNoise range_noise_;
   bool ended_ = false;

@@ -11,6 +11,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "detection/trunk_view.hpp"
+#include "vision/decode.hpp"
+#include "vision/edges.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -124,6 +129,93 @@ void require_observations(const std::vector<DelayObservation>& observations,
   }
 }
 
+/// derived: lines nearer to each other than this are one line found in two windows.
+constexpr double kSameLine_px = 1.0;
+/// derived: tolerance of the width in the image against the laser's: about a beam step and a pixel,
+/// plus a fraction of the width.
+constexpr double kWidthTolerance_px = 1.5;
+
+vision::PixelRect widened(const vision::PixelRect& window, double reach_px) {
+  const int reach = static_cast<int>(std::ceil(reach_px));
+  return {window.x_px - reach, window.y_px, window.width_px + 2 * reach, window.height_px};
+}
+
+/// Finds lines in windows that are shifted across the search range in steps of half a window.
+std::vector<vision::EdgeLine> lines_about(const vision::EdgeMap& map,
+                                          const vision::PixelRect& window, double expected_x_px,
+                                          double reach_px, const detection::Rig& rig) {
+  std::vector<vision::EdgeLine> lines;
+  const int step = std::max(1, window.width_px / 2);
+  const int num_steps = static_cast<int>(std::ceil(reach_px / step));
+  for (int i = -num_steps; i <= num_steps; ++i) {
+    const vision::PixelRect slid = vision::intersection(
+        {window.x_px + i * step, window.y_px, window.width_px, window.height_px}, map.area);
+    if (slid.width_px < vision::tuning::kMinWindow_px || slid.height_px < window.height_px) {
+      continue;
+    }
+    const auto line = vision::find_edge(map, slid, expected_x_px + i * step, rig.detector.edges);
+    if (!line.found || line.roc < tuning::kEdgeRocMin) continue;
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const auto& other) {
+      return std::abs(other.x_px - line.x_px) < kSameLine_px;
+    });
+    if (same == lines.end()) {
+      lines.push_back(line);
+    } else if (line.roc > same->roc) {
+      *same = line;
+    }
+  }
+  return lines;
+}
+
+/// The area of the image that middle_offsets() reads.
+vision::PixelRect offsets_area(const detection::TrunkView& view, double reach_px,
+                               const detection::Rig& rig) {
+  const vision::PixelRect picture = detection::picture_of(rig);
+  return vision::bounding(vision::edge_reading_area(widened(view.left_edge, reach_px), picture),
+                          vision::edge_reading_area(widened(view.right_edge, reach_px), picture));
+}
+
+/// Finds all pairs of edges whose distance matches the laser's width, and gives the offsets of
+/// their middles from the expected column that are within `reach_px`. The search is wider than the
+/// detector's windows, so that a delay can be measured.
+std::vector<double> middle_offsets(const vision::EdgeMap& map, const detection::TrunkView& view,
+                                   double reach_px, const detection::Rig& rig) {
+  const auto left = lines_about(map, view.left_edge, view.left_x_px, reach_px, rig);
+  const auto right = lines_about(map, view.right_edge, view.right_x_px, reach_px, rig);
+  const double width_px = view.right_x_px - view.left_x_px;
+  const double tolerance_px = kWidthTolerance_px + tuning::kWidthToleranceFraction * width_px;
+  std::vector<double> offsets_px;
+  for (const vision::EdgeLine& l : left) {
+    for (const vision::EdgeLine& r : right) {
+      if (std::abs(r.x_px - l.x_px - width_px) > tolerance_px) continue;
+      const double offset_px = 0.5 * (l.x_px - view.left_x_px + (r.x_px - view.right_x_px));
+      if (std::abs(offset_px) <= reach_px) offsets_px.push_back(offset_px);
+    }
+  }
+  return offsets_px;
+}
+
+/// A trunk in view: by the scan at the exposure, and a little earlier and later.
+struct TimedView {
+  detection::TrunkView view, early, late;
+};
+
+std::vector<TimedView> timed_views(const detection::LaserFindings& findings,
+                                   const detection::Rig& rig,
+                                   const detection::ScanToPicture& to_exposure) {
+  detection::ScanToPicture before = to_exposure, after = to_exposure;
+  before.first_beam_dt_s -= kRateStep_s;
+  after.first_beam_dt_s += kRateStep_s;
+  std::vector<TimedView> views;
+  for (const detection::Candidate& candidate : findings.candidates) {
+    const auto view = detection::view_of(candidate.segment, rig, to_exposure);
+    const auto early = detection::view_of(candidate.segment, rig, before);
+    const auto late = detection::view_of(candidate.segment, rig, after);
+    if (view && early && late) views.push_back({*view, *early, *late});
+  }
+  return views;
+}
+
 }  // namespace
 
 std::vector<DelayObservation> delay_observations(const detection::LaserFindings& findings,
@@ -134,24 +226,22 @@ std::vector<DelayObservation> delay_observations(const detection::LaserFindings&
   std::vector<DelayObservation> observations;
   const auto to_exposure = detection::to_picture(findings, image, rig, motion);
   if (!to_exposure) return observations;
-  detection::ScanToPicture before = *to_exposure, after = *to_exposure;
-  before.first_beam_dt_s -= kRateStep_s;
-  after.first_beam_dt_s += kRateStep_s;
-  vision::PictureReader reader(image);
-  for (const auto& seen :
-       detection::find_candidate_edges(findings, reader, rig, motion, reach_px)) {
-    const laser::Segment& segment = findings.candidates[seen.candidate].segment;
-    const auto early = detection::view_of(segment, rig, before);
-    const auto late = detection::view_of(segment, rig, after);
-    if (!early || !late) continue;
-    DelayObservation observation;
-    observation.picture = picture;
-    observation.yaw_rate_radps = motion.yaw_rate_radps;
-    observation.rate_px_per_s =
-        0.5 * (late->left_x_px + late->right_x_px - early->left_x_px - early->right_x_px) /
-        (2.0 * kRateStep_s);
-    for (const auto& offset : seen.offsets) observation.offsets_px.push_back(offset.middle_px());
-    observations.push_back(std::move(observation));
+  const auto views = timed_views(findings, rig, *to_exposure);
+  vision::PixelRect reading;
+  for (const TimedView& timed : views) {
+    reading = vision::bounding(reading, offsets_area(timed.view, reach_px, rig));
+  }
+  const bool fits = image.width_px == rig.camera.intrinsics().width_px &&
+                    image.height_px == rig.camera.intrinsics().height_px;
+  if (reading.empty() || !fits) return observations;
+  const auto pixels = vision::PictureReader(image).read(reading);
+  if (!pixels) return observations;
+  const vision::EdgeMap map = vision::edge_map(*pixels, rig.detector.edges);
+  for (const auto& [view, early, late] : views) {
+    const double moved_px = late.left_x_px + late.right_x_px - early.left_x_px - early.right_x_px;
+    DelayObservation observation{picture, 0.5 * moved_px / (2.0 * kRateStep_s),
+                                 motion.yaw_rate_radps, middle_offsets(map, view, reach_px, rig)};
+    if (!observation.offsets_px.empty()) observations.push_back(std::move(observation));
   }
   return observations;
 }

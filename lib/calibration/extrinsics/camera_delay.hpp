@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "detection/consistency_monitor.hpp"
+#include "detection/detect.hpp"
+#include "detection/rig.hpp"
 
 namespace orchard::calibration {
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
+#include "geometry/angles.hpp"
 #include "unit/detection/tube_rig.hpp"
 
 namespace orchard::procs {
@@ -363,37 +364,38 @@ std::vector<Detections> watch(io::Config config, double turned_rad, std::string&
     image.seq = i;
     bench.handle(image);
   }
-  warning = bench.node.warning();
+  warning = bus::warning_text(bench.node);
   bench.flush();
-  EXPECT_EQ(bench.node.warning().empty(), warning.empty());
+  EXPECT_EQ(bus::warning_text(bench.node).empty(), warning.empty());
   return bench.sent;
 }
 
 TEST(DetectorNode, WarnsOfACameraThatIsTurned) {
   std::string warning;
-  for (const double turned_rad : {0.03, -0.03}) {  // beyond the detector's own windows
+  for (const double turned_rad : {0.04, -0.04}) {  // beyond the detector's own windows
     watch({}, turned_rad, warning);
-    double offset_px = 0.0;
-    ASSERT_EQ(std::sscanf(warning.c_str(), "laser and image edges disagree by %lf px", &offset_px),
-              1)
+    double offset_deg = 0.0;
+    ASSERT_EQ(std::sscanf(warning.c_str(), "the pictures lie %lf degrees", &offset_deg), 1)
         << warning;
-    // f tan(bearing +- 0.03) - f tan(bearing) at the tubes' bearings of some 10 degrees
-    EXPECT_NEAR(offset_px, 7.7, 1.0);
+    EXPECT_NEAR(offset_deg, 0.04 * 180.0 / geometry::kPi, 0.4);
     EXPECT_NE(warning.find("camera.phi_rad"), std::string::npos) << warning;
   }
   watch({}, 0.0, warning);
   EXPECT_EQ(warning, "");
 }
 
-TEST(DetectorNode, WatchingTheEdgesDoesNotTouchDetections) {
-  std::string warning;
-  io::Config blind;
-  blind.detector.extrinsics_monitor.enabled = false;
-  const auto watched = bytes_of(watch({}, 0.03, warning));
-  EXPECT_FALSE(warning.empty());
-  const auto unwatched = bytes_of(watch(blind, 0.03, warning));
-  EXPECT_TRUE(warning.empty());
-  EXPECT_EQ(watched, unwatched);
+/// The first pair of a second is looked at by CameraCheck, the others are not.
+TEST(DetectorNode, LookingAtTheEdgesDoesNotTouchDetections) {
+  const std::vector<test::Tube> tubes{test::brown_tube(1.7, 0.3), test::brown_tube(1.9, -0.35)};
+  const detection::Rig rig = test::tube_rig();
+  detection::ScanImagePair pair;
+  pair.scan = test::scan_of(tubes);
+  pair.image = std::make_shared<vision::Image>(test::picture_of_tubes(tubes, rig));
+  const JudgedPair looked = judge_pair(detection::find_by_laser(pair.scan, rig), pair, rig, true);
+  const JudgedPair judged = judge_pair(detection::find_by_laser(pair.scan, rig), pair, rig, false);
+  EXPECT_TRUE(looked.sight);
+  EXPECT_FALSE(judged.sight);
+  EXPECT_EQ(bytes_of({looked.result.detections}), bytes_of({judged.result.detections}));
 }
 
 TEST(DetectorNode, WhatItSendsPassesTheGuard) {

@@ -70,20 +70,23 @@ TEST(MovingRobot, TheCommandWritesTheDelayIntoTheRig) {
 }
 
 /// What `orchard map` says of a whole drive with a rig.
-std::string warning_of(const RobotRun& run, const io::Config& config) {
+std::vector<Finding> findings_of(const RobotRun& run, const io::Config& config) {
   procs::DetectorNode detector(config);
   for (const bus::Message& message : run.messages) detector.handle(message, [](bus::Message) {});
   detector.flush([](bus::Message) {});
-  return detector.warning();
+  EXPECT_EQ(detector.warning(), "");
+  return detector.findings();
 }
 
 TEST(MovingRobot, ATurnedCameraIsNoticedAndARightOneIsNot) {
   io::Config config = short_rows();
   config.simulation.orchard.trees_per_row = 14;
   const RobotRun run = drive(14, config, {});
-  EXPECT_EQ(warning_of(run, config), "");
-  config.camera.extrinsics.phi_rad[2] += 0.03;
-  EXPECT_NE(warning_of(run, config).find("laser and image edges disagreed"), std::string::npos);
+  EXPECT_TRUE(findings_of(run, config).empty());
+  config.camera.extrinsics.phi_rad[2] += 0.04;
+  const std::vector<Finding> findings = findings_of(run, config);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].name, "camera_yaw");
 }
 
 }  // namespace

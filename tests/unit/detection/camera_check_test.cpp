@@ -38,14 +38,12 @@ Rig turned_rig(int axis, double angle_rad, double focal = 1.0, double delay_s = 
   return {{}, camera, detector_with_motion()};
 }
 
-/// Thirty places among tubes, seen by the true rig's camera while the robot turns; what `stated`
-/// makes of them.
-std::vector<Finding> findings_of(const Rig& stated, double turn_radps = 0.3) {
-  const Rig truth = test::tube_rig(detector_with_motion());
+/// Takes pictures of places among tubes by the true rig's camera while the robot turns.
+void look(CameraCheck& check, const Rig& stated, const Rig& truth, int num_pictures) {
+  constexpr double turn_radps = 0.3;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> bearing(-0.45, 0.45), range(1.0, 3.0);
-  CameraCheck check(stated);
-  for (int place = 0; place < 30; ++place) {
+  for (int place = 0, num = 0; num < num_pictures; ++place) {
     std::vector<Tube> tubes;
     for (int i = 0; i < 4; ++i) {
       const double b = -0.5 + 0.28 * i + 0.25 * bearing(random), r = range(random);
@@ -56,11 +54,18 @@ std::vector<Finding> findings_of(const Rig& stated, double turn_radps = 0.3) {
     scan.beam_period_us = 0.0;
     const vision::Image image = test::picture_of_tubes(tubes, truth);
     vision::PictureReader picture(image);
-    const Motion motion{scan.utime, 0.0, place % 2 == 0 ? turn_radps : -0.7 * turn_radps};
+    const Motion motion{scan.utime, 0.0, place / 2 % 2 == 0 ? turn_radps : -0.7 * turn_radps};
     if (auto sight = camera_sight(find_by_laser(scan, stated), picture, stated, motion)) {
       check.add(*std::move(sight));
+      ++num;
     }
   }
+}
+
+/// What `stated` makes of thirty pictures.
+std::vector<Finding> findings_of(const Rig& stated) {
+  CameraCheck check(stated);
+  look(check, stated, test::tube_rig(detector_with_motion()), 30);
   check.finish();
   return check.findings();
 }
@@ -111,6 +116,30 @@ TEST(CameraCheck, NamesLensAndDelayWithTheValueThatFits) {
   const auto delay = findings_of(turned_rig(1, 0.0, 1.0, 0.2));
   ASSERT_EQ(names(delay), "camera_delay");
   EXPECT_NE(delay[0].text.find("camera.delay_s is 0.20, but the pictures fit "), std::string::npos);
+}
+
+TEST(CameraCheck, ACameraThatIsKnockedIsNamedAndClearsOnceItIsRight) {
+  const Rig stated = test::tube_rig(detector_with_motion());
+  // A camera turned by 5 degrees: all columns shift by f tan(5 degrees).
+  geometry::CameraConfig camera;
+  camera.intrinsics.cc_px[0] += camera.intrinsics.fc_px[0] * std::tan(radians(5.0));
+  const Rig knocked{{}, camera, detector_with_motion()};
+  CameraCheck check(stated);
+  look(check, stated, stated, 60);
+  EXPECT_EQ(names(check.findings()), "");
+  look(check, stated, knocked, 60);
+  EXPECT_EQ(names(check.findings()), "camera_yaw");
+  look(check, stated, stated, 60);
+  EXPECT_EQ(names(check.findings()), "");  // of the last minute
+  check.finish();
+  EXPECT_EQ(names(check.findings()), "camera_yaw");  // of the run
+}
+
+TEST(LookTimes, TakesOnePictureASecond) {
+  LookTimes times;
+  int num_taken = 0;
+  for (int i = 0; i < 100; ++i) num_taken += times.take(1'000'000 + 100'000 * i) ? 1 : 0;
+  EXPECT_EQ(num_taken, 10);
 }
 
 TEST(CameraCheck, WithoutObjectsNothingIsSaid) {

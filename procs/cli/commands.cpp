@@ -95,7 +95,6 @@ void declare(CLI::App& command, RecordOptions& o) {
   add_value(command, "--name", o.name, "NAME")->capture_default_str();
   add_limited(command, "--split-mb", o.split_mb, 1.0, 1e6);
   add_checked(command, "--keep-gb", o.keep_gb, CLI::NonNegativeNumber);
-  add_checked(command, "--least-free-gb", o.least_free_gb, CLI::NonNegativeNumber);
   add_network(command, o);
 }
 

@@ -49,10 +49,6 @@ void declare(CLI::App& command, CompareOptions& o) {
   command.add_flag("--json", o.json);
   add_alignment_options(command, o.alignment);
   add_reach_option(command, o.reach_m);
-  add_limited(command, "--min-confidence", o.comparison.confidence_min, 0.0, 1.0);
-  add_limited(command, "--sigmas", o.comparison.sigmas_min, 1.0, 20.0);
-  add_limited(command, "--bush-near", o.comparison.clump.near_m, 0.05, 5.0);
-  add_limited(command, "--bush-reach", o.comparison.clump.reach_m, 0.05, 10.0);
   command.add_flag("--assume-seen", o.comparison.assume_seen);
   command.add_flag("--objects", o.comparison.with_objects);
 }

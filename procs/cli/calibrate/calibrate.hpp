@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "calibration/board/board.hpp"
 
 namespace orchard::cli {
+
+/// Views of a board that are used, the most different ones; more only cost.
+inline constexpr std::size_t kMaxViews = 40;
 
 /// `orchard calibrate camera PICTURES...|LOG --columns N --rows N --square-m M --out RIG`, or
 /// `orchard calibrate camera --import FILE --out RIG`.
@@ -16,7 +20,6 @@ struct CalibrateCameraOptions {
   calibration::BoardConfig board;
   std::string config_path;  ///< rig to start from
   std::string out_path;     ///< rig to write; empty: config_path; both empty: print only
-  int max_views = 40;       ///< selects the most different ones
   bool estimate_k3 = false;
   bool force = false;  ///< writes the result even if it fails the checks
   bool quiet = false;
@@ -49,7 +52,6 @@ struct CalibrateLaserCameraOptions {
   calibration::BoardConfig board;
   double board_width_m = 0.0;  ///< outer size, with the pattern in the middle; 0: unknown
   double board_height_m = 0.0;
-  int max_views = 40;
   bool any_mount = false;  ///< accept extrinsics that contradict the rig's YAML
   bool quiet = false;
 };
@@ -77,8 +79,7 @@ enum class DecisionChoice {
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
-  std::string out_path;    ///< empty or config_path: that file; the old one is kept as .bak
-  int wanted_trunks = 20;  ///< min number without a warning
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
   ColourChoice colour_model = ColourChoice::kAuto;
   DecisionChoice decision = DecisionChoice::kAuto;
   std::string map_folder;  ///< a first map (a folder, or its map.csv) and ...

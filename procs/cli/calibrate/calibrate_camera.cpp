@@ -331,15 +331,14 @@ int import_camera(const CalibrateCameraOptions& options) {
 }
 
 /// Selects the views to use: the most different ones if there are many.
-std::vector<calibration::NamedView> selected_views(const BoardViews& found, int max_views,
-                                                   bool quiet) {
+std::vector<calibration::NamedView> selected_views(const BoardViews& found, bool quiet) {
   std::vector<calibration::NamedView> views;
-  for (const std::size_t i : calibration::select_spread(
-           found.views, found.width_px, found.height_px, static_cast<std::size_t>(max_views))) {
+  for (const std::size_t i :
+       calibration::select_spread(found.views, found.width_px, found.height_px, kMaxViews)) {
     views.push_back(found.views[i]);
   }
   if (!quiet && views.size() < found.views.size()) {
-    std::printf("using %zu of %zu views, the most different ones (--max-views)\n", views.size(),
+    std::printf("using %zu of %zu views, the most different ones\n", views.size(),
                 found.views.size());
   }
   return views;
@@ -366,8 +365,8 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
   calibration::CameraCalibrationOptions how;
   how.estimate_k3 = options.estimate_k3;
   const CameraCalibration calibration = naming(found.source, [&] {
-    return calibration::calibrate_camera(selected_views(found, options.max_views, options.quiet),
-                                         found.width_px, found.height_px, how);
+    return calibration::calibrate_camera(selected_views(found, options.quiet), found.width_px,
+                                         found.height_px, how);
   });
   if (!options.quiet) print_calibration(calibration);
   const std::vector<std::string> reasons = calibration::rejection_reasons(calibration);

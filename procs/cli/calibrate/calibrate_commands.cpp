@@ -21,7 +21,6 @@ void declare(CLI::App& command, CalibrateCameraOptions& o) {
   add_board_options(command, o.board);
   add_value(command, "--config", o.config_path, "FILE");
   add_value(command, "--out", o.out_path, "FILE");
-  add_limited(command, "--max-views", o.max_views, 3, 200);
   command.add_flag("--k3", o.estimate_k3);
   command.add_flag("--force", o.force);
   command.add_flag("--quiet", o.quiet);
@@ -38,7 +37,6 @@ void declare(CLI::App& command, CalibrateLaserCameraOptions& o) {
       add_value(command, "--board-height-m", o.board_height_m, "M")->check(CLI::PositiveNumber);
   width->needs(height);
   height->needs(width);
-  add_limited(command, "--max-views", o.max_views, 6, 200);
   command.add_flag("--any-mount", o.any_mount);
   command.add_flag("--quiet", o.quiet);
 }
@@ -55,7 +53,6 @@ void declare(CLI::App& command, CalibrateTrunksOptions& o) {
   add_required(command, "logs", o.log_paths, "LOG...");
   add_required(command, "--config", o.config_path, "FILE");
   add_value(command, "--out", o.out_path, "FILE");
-  add_checked(command, "--wanted-trunks", o.wanted_trunks, CLI::PositiveNumber);
   const std::map<std::string, ColourChoice> choices{{"auto", ColourChoice::kAuto},
                                                     {"hue_interval", ColourChoice::kHueInterval},
                                                     {"appearance", ColourChoice::kAppearance}};

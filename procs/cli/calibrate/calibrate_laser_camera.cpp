@@ -150,7 +150,7 @@ std::vector<calibration::StationaryView> read_views(const CalibrateLaserCameraOp
     std::printf("%d scans with a picture, %zu of them with the board; %zu views of a still board\n",
                 collector.num_pairs(), collector.pairs().size(), views.size());
   }
-  return calibration::spread_subset(views, options.max_views);
+  return calibration::spread_subset(views, kMaxViews);
 }
 
 const char* status_text(LaserCameraView::ViewStatus status) {

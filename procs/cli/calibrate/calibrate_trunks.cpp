@@ -248,7 +248,6 @@ std::vector<calibration::PickedTrunk> places_of(const CalibrateTrunksOptions& op
 calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
                                         const io::Config& config) {
   calibration::TrunkModelOptions rules;
-  rules.wanted_trunks = options.wanted_trunks;
   rules.gate_m = config.mapper.gate_m;
   if (!options.ids.empty()) rules.picked_trunks = places_of(options);
   return rules;

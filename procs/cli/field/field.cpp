@@ -63,7 +63,6 @@ int run_record(const RecordOptions& options) {
   io::RecordingLimits limits;
   limits.split_bytes = static_cast<std::int64_t>(1e6 * options.split_mb);
   limits.keep_bytes = static_cast<std::int64_t>(1e9 * options.keep_gb);
-  limits.least_free_bytes = static_cast<std::int64_t>(1e9 * options.least_free_gb);
   io::LogRecorder recorder(options.folder + "/" + options.name + "-" + start_time_text(), limits);
   spdlog::info("recording to {}; stop with Ctrl-C", recorder.path());
   bus::ProcessReport report(bus, "orchard-recorder", {});

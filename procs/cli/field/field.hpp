@@ -53,7 +53,6 @@ struct RecordOptions : FieldOptions {
   std::string name = "drive";
   double split_mb = 500.0;
   double keep_gb = 0.0;
-  double least_free_gb = 1.0;
 };
 
 /// Records every channel until Ctrl-C and sends STATUS as orchard-recorder.

@@ -4,6 +4,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -277,7 +278,10 @@ TEST_F(MapCommand, AnInterruptLeavesNoHalfFileBehind) {
   ASSERT_EQ(posix_spawn(&pid, argv[0], &actions, nullptr, const_cast<char**>(argv.data()), environ),
             0);
   posix_spawn_file_actions_destroy(&actions);
-  while (!exists(path("map/derived.lcm.part"))) usleep(1000);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!exists(path("map/derived.lcm.part")) && std::chrono::steady_clock::now() < give_up) {
+    usleep(1000);  // between two looks
+  }
   ASSERT_EQ(kill(pid, SIGINT), 0);
   int status = 0;
   waitpid(pid, &status, 0);

@@ -173,7 +173,7 @@ std::string BeamTimes::text() const {
   return fmt::format(
       "SCAN has no beam times (beam_period_us is 0) and the robot moved during {} of {} scans, so "
       "landmarks may be displaced by about {:.2f} m; set beam_period_us in the laser driver, or in "
-      "sensors.yaml of the recording",
+      "sensors.yaml of the recording (there negative if the head turns against the columns)",
       num_moved_, num_scans_, sum_moved_m_ / static_cast<double>(num_moved_));
 }
 

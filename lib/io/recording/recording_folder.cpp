@@ -36,7 +36,7 @@ static void describe(ConfigVisitor& v, LaserDescription& l) {
   v.number("bearing_step_rad", l.bearing_step_rad, -1.0, 1.0, "rad", "");
   v.number("range_min_m", l.range_min_m, 0.0, kMaxRange_m, "m", "");
   v.number("range_max_m", l.range_max_m, 0.0, kMaxRange_m, "m", "");
-  v.number("beam_period_us", l.beam_period_us, 0.0, 1e6, "us", "");
+  v.number("beam_period_us", l.beam_period_us, -1e6, 1e6, "us", "");
   v.section("mount", l.mount, "");
   v.check(l.num_beams > 0, "num_beams", "is missing; add it");
   v.check(!std::isnan(l.bearing_min_rad), "bearing_min_rad", "is missing; add it");
@@ -53,6 +53,16 @@ namespace fs = std::filesystem;
 using Source = std::function<std::optional<SensorMessage>()>;
 
 constexpr double kMaxIntensity = 1e9;
+
+/// Turns a scan whose last beam was measured first: the same returns, the first in time first.
+void put_in_order_of_time(laser::Scan& scan) {
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  std::reverse(scan.intensities.begin(), scan.intensities.end());
+  const auto last = static_cast<double>(scan.ranges_m.size() - 1);
+  scan.bearing_min_rad = scan.bearing_rad(last);
+  scan.bearing_step_rad = -scan.bearing_step_rad;
+  scan.beam_period_us = -scan.beam_period_us;
+}
 
 /// The header must be utime_us followed by one column per beam.
 void expect_beams(const CsvReader& csv, const LaserDescription& laser) {
@@ -159,6 +169,7 @@ std::optional<laser::Scan> ScanCsv::next() {
     scan.ranges_m.push_back(static_cast<float>(csv_.number_in(i, 0.0, kMaxRange_m)));
   }
   if (intensities_) read_intensities(scan);
+  if (scan.beam_period_us < 0.0) put_in_order_of_time(scan);
   return scan;
 }
 

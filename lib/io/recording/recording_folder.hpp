@@ -39,7 +39,9 @@ struct LaserDescription {
   int num_beams = 0;
   double bearing_min_rad = 0.0;  ///< laser frame, x forward, counter-clockwise positive
   double bearing_step_rad = 0.0;
-  double beam_period_us = 0.0;  ///< 0: unknown
+  /// Time between neighbouring beams; 0: unknown; negative: the last beam is measured first, as
+  /// where a head turns clockwise and its beams are told counter-clockwise. utime is of the first.
+  double beam_period_us = 0.0;
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   SensorMount mount;

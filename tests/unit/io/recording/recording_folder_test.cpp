@@ -55,6 +55,20 @@ TEST(RecordingFolder, MessagesComeInOrderOfTimeAndKind) {
   EXPECT_EQ(RecordingFolder(folder.path()).laser().mount.x_m, 0.3);
 }
 
+TEST(RecordingFolder, AHeadThatTurnsAgainstTheColumnsMeasuresTheLastFirst) {
+  const TestFolder folder;
+  write_recording(folder);
+  write_bytes(folder / "sensors.yaml", std::string(kSensors) + "  beam_period_us: -90\n");
+  write_bytes(folder / "intensities.csv", "utime_us,a,b\n100,3,4\n200,5,6\n");
+  const auto messages = read_recording_folder(folder.path());
+  const auto& scan = std::get<laser::Scan>(messages[1]);
+  EXPECT_EQ(scan.utime, 100);
+  EXPECT_EQ(scan.ranges_m, (std::vector<float>{1.5f, 0.0f}));
+  EXPECT_DOUBLE_EQ(scan.bearing_rad(0), 0.1) << "the last column's";
+  EXPECT_DOUBLE_EQ(scan.bearing_rad(1), -0.1);
+  EXPECT_EQ(scan.beam_period_us, 90.0);
+}
+
 TEST(RecordingFolder, MistakesAreNamedWithFileAndLine) {
   const TestFolder folder;
   EXPECT_THAT(error_of(folder / "none"), HasSubstr("is not a folder"));

@@ -11,7 +11,7 @@ namespace orchard::laser {
 namespace {
 
 /// derived: the lowest part of the plane's height that is looked at: 0.2 m of 0.3 m, above the
-/// grass of a mown alley.
+/// grass of a mown aisle.
 constexpr double kLowest = 2.0 / 3.0;
 
 /// derived: three standard deviations of a range (3 cm by the data sheet of a VLP-16): what stands

@@ -78,6 +78,10 @@ inside orchard simulate --scene tubes --seed 1 --config $config --out /tmp/tubes
 inside orchard map /tmp/tubes.lcm --config $config --out /tmp/map --quiet
 inside orchard evaluate /tmp/map --truth /tmp/truth.csv | tee "$chroot/tmp/tables.txt" | tail -n 2
 grep -q 'found 16 of 16' "$chroot/tmp/tables.txt" || fail "the map is not right"
+# Commands of each companion program: growers' lists and the files of a GIS.
+inside orchard tasks /tmp/map --out /tmp/tasks.gpkg
+inside orchard export /tmp/map --format gpkg --out /tmp/block.gpkg | tail -n 1
+inside orchard import-edits /tmp/map /tmp/block.gpkg --dry-run
 
 echo "== python3"
 inside python3 - <<'END' || fail "python3-orchard does not read the map"

@@ -220,6 +220,8 @@ void OgrFile::set_values(const std::vector<GeoValue>& values, OGRFeature& featur
     const int field = fields_[i];
     switch (values[i].kind) {
       case GeoValue::Kind::kNone:
+        // A GeoJSON has the columns that its features name: an empty one can then be filled in.
+        if (info_.format == GeoFormat::kGeoJson) feature.SetFieldNull(field);
         break;
       case GeoValue::Kind::kInteger:
         feature.SetField(field, static_cast<GIntBig>(values[i].integer));

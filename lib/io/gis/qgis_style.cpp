@@ -61,6 +61,20 @@ std::string labels_text(const QgisStyle& style) {
          "obstacle=\"1\" displayAll=\"0\"/>\n   </settings>\n  </labeling>\n";
 }
 
+/// A list to choose from where QGIS and QField would have a value typed.
+std::string choices_text(const QgisStyle& style) {
+  std::string text = "  <fieldConfiguration>\n   <field name=" + quoted(style.choice_field) +
+                     ">\n    <editWidget type=\"ValueMap\">\n     <config>\n      <Option "
+                     "type=\"Map\">\n       <Option name=\"map\" type=\"List\">\n";
+  for (const char* choice : style.choices) {
+    text += "        <Option type=\"Map\"><Option name=" + quoted(choice) +
+            " type=\"QString\" value=" + quoted(choice) + "/></Option>\n";
+  }
+  return text +
+         "       </Option>\n      </Option>\n     </config>\n    </editWidget>\n   "
+         "</field>\n  </fieldConfiguration>\n";
+}
+
 }  // namespace
 
 QgisStyle landmark_style(const char* label, const char* kind) {
@@ -71,16 +85,20 @@ QgisStyle landmark_style(const char* label, const char* kind) {
                    {"object", "object", "square", kObjectColour, 2.0},
                    {"unseen", "not seen by the camera", "diamond", kUnseenColour, 2.0}};
   style.label = label;
+  style.choice_field = "class";
+  style.choices = {"tree", "object", "unseen"};
   return style;
 }
 
 std::string qml_text(const QgisStyle& style) {
   const bool is_one = style.field[0] == '\0';
   const bool has_label = style.label[0] != '\0';
+  const bool has_choice = style.choice_field[0] != '\0';
   std::string text =
       "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n<qgis version=\"3.22\" "
-      "styleCategories=\"Symbology|Labeling\" labelsEnabled=" +
-      std::string(has_label ? "\"1\"" : "\"0\"") + ">\n <renderer-v2 type=" +
+      "styleCategories=\"Symbology|Labeling" +
+      std::string(has_choice ? "|Forms" : "") +
+      "\" labelsEnabled=" + (has_label ? "\"1\"" : "\"0\"") + ">\n <renderer-v2 type=" +
       (is_one ? "\"singleSymbol\"" : "\"categorizedSymbol\" attr=" + quoted(style.field)) +
       " symbollevels=\"0\" forceraster=\"0\" enableorderby=\"0\">\n";
   if (!is_one) {
@@ -96,6 +114,7 @@ std::string qml_text(const QgisStyle& style) {
   for (std::size_t i = 0; i < style.symbols.size(); ++i) text += symbol_text(style, i);
   text += "  </symbols>\n </renderer-v2>\n";
   if (has_label) text += labels_text(style);
+  if (has_choice) text += choices_text(style);
   return text + "</qgis>\n";
 }
 

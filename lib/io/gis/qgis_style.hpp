@@ -24,6 +24,8 @@ struct QgisStyle {
   std::vector<QgisSymbol> symbols;
   const char* label = "";  ///< expression; "": none
   double label_size_pt = 7.0;
+  const char* choice_field = "";     ///< column that is filled by choosing from a list; "": none
+  std::vector<const char*> choices;  ///< the values of that list
 };
 
 /// Style by a column or expression that gives tree, trunk, object or unseen: trees in rows green,

@@ -58,6 +58,8 @@ void write_tasks(const std::vector<mapping::Task>& tasks, LayerFile& file) {
   style.symbols = {{kOpen, kOpen, "circle", "239,108,0", 3.0},
                    {kDone, kDone, "circle", "140,140,140", 2.0}};
   style.label = "\"label\"";
+  style.choice_field = "state";
+  style.choices = {kOpen, kDone};
   GeoLayer layer{kTasks,
                  GeoGeometry::kPoint,
                  "What is to do where; tick by state: open or done",

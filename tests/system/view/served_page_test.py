@@ -91,6 +91,38 @@ def landmark_count(page, count, what):
     page.wait(f"return orchardApp.model.count === {count}", what)
 
 
+TAB, ENTER = "\ue004", "\ue007"
+
+
+def tab_to(page, name):
+    """By the key alone, as who has no mouse does it."""
+    for _ in range(60):
+        page.press(TAB)
+        if page.run("return document.activeElement.id") == name:
+            # A ring around it, or around the field with its buttons.
+            rings = page.run("const e = document.activeElement; return [e, e.parentElement].map("
+                             "each => getComputedStyle(each).outlineStyle)")
+            assert "solid" in rings, f"nothing shows that {name} has the focus"
+            return
+    raise AssertionError(f"the key never leads to {name}")
+
+
+def keyboard_alone(page, other, number, total):
+    """A tree is found, deleted and brought back without a mouse."""
+    page.run("orchardApp.select(-1); document.activeElement.blur()")
+    tab_to(page, "query")
+    for key in f"id {number}" + ENTER:
+        page.press(key)
+    page.wait(f"return orchardApp.selectedId === {number}", "the tree")
+    tab_to(page, "edit-delete")
+    page.press(ENTER)
+    landmark_count(other, total - 1, "the deletion by keyboard")
+    page.wait("return !document.getElementById('undo').disabled", "what there is to undo")
+    tab_to(page, "undo")
+    page.press(ENTER)
+    landmark_count(other, total, "the undo by keyboard")
+
+
 def check_edits(page, other, served, landmarks, width, editing):
     """`other`: a second person's browser on the same map."""
     trees = [row for row in landmarks if row["class"] == "tree"]
@@ -116,6 +148,7 @@ def check_edits(page, other, served, landmarks, width, editing):
     landmark_count(other, total - 1, "the redo")
     other.run("document.getElementById('undo').click()")
     landmark_count(page, total, "the second undo")
+    keyboard_alone(page, other, first, total)
 
     # A tree added by a click on the map, half a metre off the last one's row.
     x, y = float(trees[-1]["x_m"]) + 1.3, float(trees[-1]["y_m"]) + 1.1

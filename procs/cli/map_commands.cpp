@@ -225,11 +225,12 @@ void declare(CLI::App& command, ExportOptions& o) {
   command.add_option("--format", o.format)
       ->required()
       ->check(CLI::IsMember({"geojson", "kml", "shp", "dxf", "csv", "flatgeobuf", "gpkg", "gpx",
-                             "nav2", "grid", "kitti"}));
+                             "nav2", "tmap2", "grid", "kitti"}));
   add_required(command, "--out", o.out_path, "FILE");
   command.add_option("--layer", o.layer)
-      ->check(CLI::IsMember(
-          {"landmarks", "extents", "path", "rows", "gaps", "aisles", "headlands", "nodes"}));
+      ->check(CLI::IsMember({"landmarks", "extents", "keep-outs", "path", "rows", "gaps", "aisles",
+                             "headlands", "nodes"}));
+  command.add_option("--keep-out", o.keep_out_m)->check(CLI::Range(0.01, 100.0));
   command.add_flag("--as-mapped", o.as_mapped);
   command.add_flag("--overwrite", o.overwrite);
   command.add_flag("--json", o.json);

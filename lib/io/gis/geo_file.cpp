@@ -80,6 +80,7 @@ const std::vector<GeoFormatInfo>& geo_formats() {
       {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", "FlatGeobuf", true, false, ""},
       {GeoFormat::kGpx, "gpx", ".gpx", "GPX", true, true, ""},
       {GeoFormat::kRouteGraph, "nav2", ".geojson", "", true, false, ""},
+      {GeoFormat::kTopologicalMap, "tmap2", ".yaml", "", true, false, ""},
       {GeoFormat::kOccupancyGrid, "grid", ".yaml", "", true, false, ""},
       {GeoFormat::kKitti, "kitti", ".txt", "", true, false, "KITTI's form has no times"}};
   return kFormats;

@@ -23,6 +23,7 @@ enum class GeoFormat {
   kFlatGeobuf,
   kGpx,
   kRouteGraph,  ///< this and the following: robot_files.hpp
+  kTopologicalMap,
   kOccupancyGrid,
   kKitti
 };

@@ -137,6 +137,25 @@ void write_extents(const MapLayers& map, LayerFile& file) {
   }
 }
 
+/// Writes where no machine may drive: every landmark and a margin around it.
+void write_keep_outs(const MapLayers& map, LayerFile& file) {
+  QgisStyle style;
+  style.is_area = true;
+  style.symbols = {{"", "keep out", "solid", kRed, 0.2}};
+  file.begin_layer(
+      {"keep-outs",
+       GeoGeometry::kArea,
+       "Trees and objects with a margin around them; id as in landmarks",
+       {{"id", GeoType::kInteger}, {"class", GeoType::kText}, {"margin_m", GeoType::kReal}},
+       qml_text(style)});
+  for (mapping::Landmark l : *map.landmarks) {
+    l.width_m = std::max(0.0, l.width_m) + 2.0 * map.keep_out_m;
+    if (l.length_m > 0.0) l.length_m += 2.0 * map.keep_out_m;
+    file.add({integer(l.id), std::string(label_text(l.label)), map.keep_out_m},
+             mapping::outline_of(l));
+  }
+}
+
 void write_paths(const MapLayers& map, LayerFile& file) {
   QgisStyle style;
   style.is_line = true;
@@ -253,6 +272,7 @@ void write_map_layers(const MapLayers& layers, LayerFile& file) {
   }
   write_landmarks(layers, file);
   write_extents(layers, file);
+  if (layers.keep_out_m > 0.0) write_keep_outs(layers, file);
   write_paths(layers, file);
   write_rows(layers, file);
   if (layers.graph != nullptr) write_graph(*layers.graph, file);

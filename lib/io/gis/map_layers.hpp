@@ -29,6 +29,7 @@ struct MapLayers {
   mapping::RowNames row_names{};
   std::map<std::int32_t, std::vector<std::string>> notes{};
   std::map<std::int32_t, std::string> photos{};  ///< paths in the map folder, by landmark id
+  double keep_out_m = 0.0;  ///< margin of the layer keep-outs around landmarks; 0: no such layer
   int num_corrections = 0;  ///< corrections contained in the layers; stored in a GeoPackage
 };
 

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
+#include "geometry/angles.hpp"
 #include "geometry/thinned_line.hpp"
 #include "mapping/extent/extent.hpp"
 #include "text/number_text.hpp"
@@ -19,47 +22,25 @@ using Json = nlohmann::ordered_json;
 /// derived: of a line in the graph; far below kHalfCorridorMin_m, which every line has beside it.
 constexpr double kTolerance_m = 0.05;
 
-class RouteGraph {
- public:
-  std::int32_t add_node(const Eigen::Vector2d& p_map, const std::string& name = {}) {
-    Json properties{{"id", ++last_id_}, {"frame", "map"}};
-    if (!name.empty()) properties["metadata"] = {{"name", name}};
-    add(properties, {{"type", "Point"}, {"coordinates", place(p_map)}});
-    return last_id_;
-  }
+double rounded(double length_m) { return std::round(1e3 * length_m) / 1e3; }
+Json place(const Eigen::Vector2d& p) { return {rounded(p.x()), rounded(p.y())}; }
 
-  void add_edges(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::int32_t id_a,
-                 std::int32_t id_b, const Json& metadata) {
-    for (const bool is_back : {false, true}) {
-      add({{"id", ++last_id_},
-           {"startid", is_back ? id_b : id_a},
-           {"endid", is_back ? id_a : id_b},
-           {"cost", rounded((b - a).norm())},
-           {"metadata", metadata}},
-          {{"type", "LineString"},
-           {"coordinates", {place(is_back ? b : a), place(is_back ? a : b)}}});
-    }
-  }
-
-  std::string text() const {
-    return Json{{"type", "FeatureCollection"}, {"features", features_}}.dump() + "\n";
-  }
-
- private:
-  static double rounded(double length_m) { return std::round(1e3 * length_m) / 1e3; }
-  static Json place(const Eigen::Vector2d& p) { return {rounded(p.x()), rounded(p.y())}; }
-  void add(const Json& properties, const Json& geometry) {
-    features_.push_back({{"type", "Feature"}, {"properties", properties}, {"geometry", geometry}});
-  }
-
-  std::int32_t last_id_ = 0;
-  Json features_ = Json::array();
+/// The graph in straight pieces: each bend of a line is a node without a name.
+struct Route {
+  struct Node {
+    Eigen::Vector2d p_map;
+    std::string name;
+    double width_m;  ///< of the narrowest line that begins or ends there
+  };
+  struct Piece {
+    std::size_t from, to;
+    const mapping::NavigationEdge* edge;
+  };
+  std::vector<Node> nodes;
+  std::vector<Piece> pieces;
 };
 
-}  // namespace
-
-std::string route_graph(const mapping::NavigationGraph& graph, const mapping::RowNames& row_names) {
-  RouteGraph route;
+Route route_of(const mapping::NavigationGraph& graph, const mapping::RowNames& row_names) {
   std::map<std::int32_t, std::string> names;
   for (const mapping::NavigationEdge& edge : graph.edges) {
     if (edge.kind != mapping::EdgeKind::kAisle) continue;
@@ -67,26 +48,147 @@ std::string route_graph(const mapping::NavigationGraph& graph, const mapping::Ro
     names[edge.from] = row + "_IN";
     names[edge.to] = row + "_OUT";
   }
-  std::map<std::int32_t, std::int32_t> ids;
+  Route route;
+  std::map<std::int32_t, std::size_t> indices;
   for (const mapping::NavigationNode& node : graph.nodes) {
-    ids[node.id] = route.add_node(node.p_map, names[node.id]);
+    indices[node.id] = route.nodes.size();
+    route.nodes.push_back({node.p_map, names[node.id], std::numeric_limits<double>::infinity()});
   }
   for (const mapping::NavigationEdge& edge : graph.edges) {
-    const bool is_aisle = edge.kind == mapping::EdgeKind::kAisle;
-    const Json metadata{{"kind", is_aisle ? "aisle" : "headland"},
-                        {"row_left", edge.row_left},
-                        {"row_right", edge.row_right},
-                        {"width_m", edge.width_m}};
     const auto line = geometry::thinned_line(edge.line_map, kTolerance_m);
-    std::int32_t before = ids.at(edge.from);
+    std::size_t before = indices.at(edge.from);
     for (std::size_t i = 1; i < line.size(); ++i) {
       const bool is_end = i + 1 == line.size();
-      const std::int32_t node = is_end ? ids.at(edge.to) : route.add_node(line[i]);
-      route.add_edges(line[i - 1], line[i], before, node, metadata);
+      if (!is_end) route.nodes.push_back({line[i], "", edge.width_m});
+      const std::size_t node = is_end ? indices.at(edge.to) : route.nodes.size() - 1;
+      for (const std::size_t end : {before, node}) {
+        route.nodes[end].width_m = std::min(route.nodes[end].width_m, edge.width_m);
+      }
+      route.pieces.push_back({before, node, &edge});
       before = node;
     }
   }
-  return route.text();
+  return route;
+}
+
+Json properties_of(const mapping::NavigationEdge& edge) {
+  return {{"kind", edge.kind == mapping::EdgeKind::kAisle ? "aisle" : "headland"},
+          {"row_left", edge.row_left},
+          {"row_right", edge.row_right},
+          {"width_m", edge.width_m}};
+}
+
+}  // namespace
+
+std::string route_graph(const mapping::NavigationGraph& graph, const mapping::RowNames& row_names) {
+  const Route route = route_of(graph, row_names);
+  Json features = Json::array();
+  const auto add = [&](const Json& properties, const char* type, const Json& coordinates) {
+    features.push_back({{"type", "Feature"},
+                        {"properties", properties},
+                        {"geometry", {{"type", type}, {"coordinates", coordinates}}}});
+  };
+  std::size_t last_id = 0;
+  for (const Route::Node& node : route.nodes) {
+    Json properties{{"id", ++last_id}, {"frame", "map"}};
+    if (!node.name.empty()) properties["metadata"] = {{"name", node.name}};
+    add(properties, "Point", place(node.p_map));
+  }
+  for (const Route::Piece& piece : route.pieces) {
+    for (const bool is_back : {false, true}) {
+      const std::size_t from = is_back ? piece.to : piece.from;
+      const std::size_t to = is_back ? piece.from : piece.to;
+      const Eigen::Vector2d a = route.nodes[from].p_map, b = route.nodes[to].p_map;
+      add({{"id", ++last_id},
+           {"startid", from + 1},
+           {"endid", to + 1},
+           {"cost", rounded((b - a).norm())},
+           {"metadata", properties_of(*piece.edge)}},
+          "LineString", {place(a), place(b)});
+    }
+  }
+  return Json{{"type", "FeatureCollection"}, {"features", features}}.dump() + "\n";
+}
+
+std::string topological_map(const mapping::NavigationGraph& graph,
+                            const mapping::RowNames& row_names, const std::string& name,
+                            std::int64_t utime) {
+  const Route route = route_of(graph, row_names);
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const Route::Node& node : route.nodes) {
+    const std::string wanted =
+        node.name.empty() ? "N" + std::to_string(names.size() + 1) : node.name;
+    names.push_back(wanted);
+    for (int n = 2; !taken.insert(names.back()).second; ++n) {
+      names.back() = wanted + "_" + std::to_string(n);
+    }
+  }
+  std::vector<Json> edges(route.nodes.size(), Json::array());
+  for (const Route::Piece& piece : route.pieces) {
+    for (const bool is_back : {false, true}) {
+      const std::size_t from = is_back ? piece.to : piece.from;
+      const std::size_t to = is_back ? piece.from : piece.to;
+      edges[from].push_back(
+          {{"edge_id", names[from] + "_" + names[to]},
+           {"node", names[to]},
+           {"action", "NavigateToPose"},
+           {"action_type", "geometry_msgs/PoseStamped"},
+           {"goal",
+            {{"target_pose",
+              {{"pose", "$node.pose"}, {"header", {{"frame_id", "$node.parent_frame"}}}}}}},
+           {"config", Json::array()},
+           {"fail_policy", "fail"},
+           {"fluid_navigation", true},
+           {"recovery_behaviours_config", ""},
+           {"restrictions_planning", "True"},
+           {"restrictions_runtime", "True"},
+           {"properties", properties_of(*piece.edge)}});
+    }
+  }
+  Json nodes = Json::array();
+  for (std::size_t i = 0; i < route.nodes.size(); ++i) {
+    const Route::Node& node = route.nodes[i];
+    Json zone = Json::array();
+    constexpr int kCorners = 8;
+    for (int k = 0; k < kCorners && std::isfinite(node.width_m); ++k) {
+      const double angle = 2.0 * geometry::kPi * k / kCorners;
+      zone.push_back({{"x", rounded(0.5 * node.width_m * std::cos(angle))},
+                      {"y", rounded(0.5 * node.width_m * std::sin(angle))}});
+    }
+    nodes.push_back(
+        {{"meta", {{"map", name}, {"node", names[i]}, {"pointset", name}}},
+         {"node",
+          {{"name", names[i]},
+           {"parent_frame", "map"},
+           {"localise_by_topic", ""},
+           {"pose",
+            {{"position",
+              {{"x", rounded(node.p_map.x())}, {"y", rounded(node.p_map.y())}, {"z", 0.0}}},
+             {"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}}}},
+           {"edges", edges[i]},
+           {"restrictions_planning", "True"},
+           {"restrictions_runtime", "True"},
+           {"verts", zone}}}});
+  }
+  // To the second, in the schema's form.
+  const auto time_s = static_cast<std::time_t>(utime / 1000000);
+  std::tm utc{};
+  ::gmtime_r(&time_s, &utc);
+  char day[40];
+  std::strftime(day, sizeof(day), "%Y-%m-%d_%H-%M-%S", &utc);
+  return Json{{"meta", {{"last_updated", day}}},
+              {"metric_map", name},
+              {"name", name},
+              {"pointset", name},
+              {"transformation",
+               {{"parent", "map"},
+                {"child", "topo_map"},
+                {"translation", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
+                {"rotation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}}}},
+              {"nodes", nodes}}
+             .dump(2) +
+         "\n";
 }
 
 OccupancyGrid occupancy_grid(const std::vector<mapping::Landmark>& landmarks,

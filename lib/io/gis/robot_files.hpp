@@ -18,6 +18,14 @@ namespace orchard::io {
 /// R1_IN at the row's first tree, R1_OUT at its last. Ids are unique among nodes and edges.
 std::string route_graph(const mapping::NavigationGraph& graph, const mapping::RowNames& row_names);
 
+/// The same graph as a tmap2, the topological map of L-CAS's topological_navigation (its schema of
+/// 2026), in YAML's JSON form: nodes by name, bends N1, N2 ..., each with a zone as wide as the
+/// narrowest line that ends there, edges both ways with the action NavigateToPose. `name`: of map
+/// and pointset; `utime`: its last_updated.
+std::string topological_map(const mapping::NavigationGraph& graph,
+                            const mapping::RowNames& row_names, const std::string& name,
+                            std::int64_t utime);
+
 /// A map as map_server reads it: an image (PGM) and its YAML.
 struct OccupancyGrid {
   std::string pgm;

@@ -89,11 +89,18 @@ int export_for_robots(const ExportOptions& options, const io::GeoFormatInfo& for
                       const io::CorrectedMapFolder& map) {
   const std::filesystem::path out(options.out_path);
   std::vector<std::pair<std::filesystem::path, std::string>> written;
-  if (format.format == io::GeoFormat::kRouteGraph) {
+  const bool is_route_graph = format.format == io::GeoFormat::kRouteGraph;
+  if (is_route_graph || format.format == io::GeoFormat::kTopologicalMap) {
     if (map.graph.edges.empty()) {
       throw io::FileError(map.mapped.name + " has no graph.json beside it, or one without aisles");
     }
-    written.emplace_back(out, io::route_graph(map.graph, map.corrected.row_names));
+    const auto& paths = map.mapped.trajectories;
+    const std::int64_t utime =
+        paths.empty() || paths.back().empty() ? 0 : paths.back().back().utime;
+    written.emplace_back(out, is_route_graph
+                                  ? io::route_graph(map.graph, map.corrected.row_names)
+                                  : io::topological_map(map.graph, map.corrected.row_names,
+                                                        out.stem().string(), utime));
   } else if (format.format == io::GeoFormat::kOccupancyGrid) {
     const std::filesystem::path image = std::filesystem::path(out).replace_extension(".pgm");
     auto grid = io::occupancy_grid(map.corrected.landmarks, map.graph, map.mapped.trajectories,
@@ -125,6 +132,9 @@ int export_for_robots(const ExportOptions& options, const io::GeoFormatInfo& for
 
 int run_export(const ExportOptions& options) {
   const io::GeoFormatInfo& format = format_of(options);
+  if (options.layer == "keep-outs" && options.keep_out_m == 0.0) {
+    throw io::FileError("--layer keep-outs needs a margin in metres: add --keep-out 0.5");
+  }
   const std::filesystem::path folder = std::filesystem::path(options.out_path).parent_path();
   require_other_folder(folder.empty() ? "." : folder.string(), {options.map_path});
   require_free(options.out_path, options.overwrite);
@@ -138,6 +148,7 @@ int run_export(const ExportOptions& options) {
   layers.georeference = &map.mapped.georeference;
   layers.row_names = map.corrected.row_names;
   layers.notes = map.corrected.notes;
+  layers.keep_out_m = options.keep_out_m;
   layers.num_corrections = static_cast<int>(map.corrections.size());
   const std::unique_ptr<io::LayerFile> file = io::geo_file(map.mapped.georeference, format.format);
   if (!options.layer.empty()) file->choose_layer(options.layer);

@@ -101,7 +101,8 @@ struct ExportOptions {
   std::string map_path;
   std::string format;
   std::string out_path;
-  std::string layer;  ///< empty: all layers that the format supports
+  std::string layer;        ///< empty: all layers that the format supports
+  double keep_out_m = 0.0;  ///< margin of the layer keep-outs; 0: no such layer
   bool as_mapped = false;
   bool overwrite = false;
   bool json = false;

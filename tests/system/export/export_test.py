@@ -37,6 +37,18 @@ ROUTE_GRAPH = {"type": "array", "minItems": 3, "items": {"oneOf": [
                     "geometry": {"properties": {"type": {"const": "LineString"},
                                                 "coordinates": {"type": "array", "items": PLACE}}}},
      "required": ["type", "properties", "geometry"]}]}}
+TEXT = {"type": "string"}
+TOPOLOGICAL_MAP = {
+    "type": "object", "required": ["meta", "metric_map", "name", "nodes", "pointset"],
+    "properties": {
+        "meta": {"required": ["last_updated"], "properties": {"last_updated": {
+            "type": "string", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}_[0-9]{2}-[0-9]{2}-[0-9]{2}$"}}},
+        "metric_map": TEXT, "name": TEXT, "pointset": TEXT,
+        "nodes": {"type": "array", "items": {"required": ["meta", "node"], "properties": {
+            "meta": {"required": ["map", "node", "pointset"]},
+            "node": {"required": ["edges", "name", "parent_frame"], "properties": {
+                "name": TEXT, "parent_frame": TEXT, "edges": {"type": "array", "items": {
+                    "required": ["edge_id", "node"], "properties": {"edge_id": TEXT, "node": TEXT}}}}}}}}}}
 LATITUDE, LONGITUDE = -27.6, 151.9
 UTM = "EPSG:32756"
 NAMES = {"geojson": "a.geojson", "kml": "a.kml", "shp": "a.shp.zip", "dxf": "a.dxf",
@@ -257,6 +269,37 @@ class Export(unittest.TestCase):
         for bend in aisle:
             self.assertIn(bend, places.values())
         self.assertEqual(len(self.read(["-where", "startid IS NOT NULL"])), 2 * (len(aisle) - 1 + 1))  # by GDAL
+
+    def test_a_topological_map(self):
+        """By the schema of L-CAS's topological_navigation (tmap-schema.yaml, draft-07)."""
+        aisle = self.write_graph()
+        self.export("tmap2", out="a.yaml")
+        with open(self.out) as file:
+            topology = yaml.safe_load(file)
+        jsonschema.validate(topology, TOPOLOGICAL_MAP)
+        nodes = {each["node"]["name"]: each["node"] for each in topology["nodes"]}
+        self.assertEqual(len(nodes), len(topology["nodes"]))
+        places = {name: [node["pose"]["position"][axis] for axis in "xy"] for name, node in nodes.items()}
+        self.assertEqual((places["R2_IN"], places["R2_OUT"]), (aisle[0], aisle[-1]))
+        # From one end to the other, straight from node to node, and back.
+        way = ["R2_IN"]
+        while way[-1] != "R2_OUT":
+            ahead = [edge["node"] for edge in nodes[way[-1]]["edges"] if edge["node"] not in way]
+            way.append(ahead[0])
+            self.assertIn(way[-2], [edge["node"] for edge in nodes[way[-1]]["edges"]])
+        self.assertEqual([places[name] for name in way], [p for p in aisle if p in places.values()])
+        self.assertEqual({p["x"] for p in nodes["R2_IN"]["verts"]} & {1.5, -1.5}, {1.5, -1.5})  # half of 3.0 m
+
+    def test_keep_outs_are_wider_than_what_stands_there(self):
+        self.assertIn("--keep-out 0.5", self.run_export("geojson", "--layer", "keep-outs", out="a.geojson").stderr)
+        self.export("geojson", "--layer", "keep-outs", "--keep-out", "0.5", out="a.geojson")
+        with open(self.out) as file:
+            features = json.load(file)["features"]
+        self.assertEqual(len(features), len(THINGS))
+        for feature in features:
+            ring = feature["geometry"]["coordinates"][0]
+            north_m = (max(p[1] for p in ring) - min(p[1] for p in ring)) * 111320 * 0.9958
+            self.assertAlmostEqual(north_m, 0.12 + 2 * 0.5, delta=0.05, msg=feature)
 
     def test_a_grid_for_map_server(self):
         self.write_graph()

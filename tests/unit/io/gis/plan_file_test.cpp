@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gis/plan_file.hpp"
 
+#include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
@@ -194,6 +195,29 @@ TEST_F(PlanFile, GridLiesWhereItsYamlSays) {
                 bearing, back);
   EXPECT_NEAR(metres, 49.5, 0.005);
   EXPECT_NEAR(bearing, 120.0, 0.01);
+}
+
+TEST_F(PlanFile, GridOfTwoCornersIsThatOfItsBearing) {
+  const std::string head = "rows: 3\ntrees: 40\nrow_spacing_m: 4.5\ncorner_deg: [-27.6, 151.9]\n";
+  double latitude = 0.0, longitude = 0.0;
+  GeographicLib::Geodesic::WGS84().Direct(-27.6, 151.9, 30.0, 117.0, latitude, longitude);
+  const std::string end = fmt::format("row_end_deg: [{:.9f}, {:.9f}]\n", latitude, longitude);
+  const StoredPlan by_end = read_plan(written("end.yaml", head + end), {});
+  const StoredPlan by_bearing =
+      read_plan(written("bearing.yaml", head + "tree_spacing_m: 3\nbearing_deg: 30\n"), {});
+  ASSERT_EQ(by_end.plan.num_trees(), 120u);
+  const mapping::OrchardPlan same = plan_in_map(by_end, *by_bearing.georeference);
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t k = 0; k < 40; ++k) {
+      EXPECT_LT((same.rows[r].trees[k].p_plan - by_bearing.plan.rows[r].trees[k].p_plan).norm(),
+                0.02);
+    }
+  }
+  const std::string near = "row_end_deg: [-27.6000001, 151.9]\n";
+  EXPECT_NE(refusal(written("near.yaml", head + near)).find("0.00 m between trees"),
+            std::string::npos);
+  const std::string both = head + end + "bearing_deg: 30\n";
+  EXPECT_NE(refusal(written("both.yaml", both)).find("leave bearing_deg"), std::string::npos);
 }
 
 TEST_F(PlanFile, RowsMayBeLines) {

@@ -154,6 +154,13 @@ std::string names_and_photo_ids_json(const MapData& map_data) {
          array_json(map_data.photo_ids, [](std::int32_t id) { return std::to_string(id); });
 }
 
+std::string background_json(const Background& b) {
+  return fmt::format(
+      R"("background":{{"box":[{:.3f},{:.3f},{:.3f},{:.3f}],"jpeg":"{}"}},)", b.low_map.x(),
+      b.low_map.y(), b.high_map.x(), b.high_map.y(),
+      base64_text(reinterpret_cast<const std::uint8_t*>(b.jpeg.data()), b.jpeg.size()));
+}
+
 std::string map_data_json(const MapData& map_data) {
   std::string text =
       "{" + heading_json(map_data) +

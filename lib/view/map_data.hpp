@@ -17,6 +17,12 @@
 
 namespace orchard::view {
 
+/// A picture from above that lies under the map, such as an orthophoto.
+struct Background {
+  std::string jpeg;
+  Eigen::Vector2d low_map, high_map;  ///< corners; its columns run along x
+};
+
 /// Content of the page for a map.
 struct MapData {
   std::string title;  ///< any text
@@ -50,6 +56,9 @@ inline constexpr double kPathTolerance_m = 0.01;
 /// `map_data` except georeference must be set. Equal maps give equal text; invalid Unicode in texts
 /// is replaced.
 std::string map_data_json(const MapData& map_data);
+
+/// Formats a member of that object and its comma: "background": {"box": [m], "jpeg": base 64}.
+std::string background_json(const Background& background);
 
 /// Formats only the part {"rows", "ways"}, without braces.
 std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,

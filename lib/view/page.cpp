@@ -22,6 +22,25 @@ std::string json_in_html(std::string_view json) {
   return escaped;
 }
 
+/// `title` and `data` as they stand in HTML.
+std::string page_of(std::string_view title, std::string_view data, PageSource source) {
+  std::string html;
+  html.reserve(kPage.size() + kStyle.size() + kScript.size() + data.size() + 1024);
+  std::string_view rest = kPage;
+  for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
+    const std::size_t end = rest.find("}}", begin);
+    const std::string_view name = rest.substr(begin + 2, end - begin - 2);
+    html += rest.substr(0, begin);
+    if (name == "POLICY") html += page_policy(source);
+    if (name == "TITLE") html += title;
+    if (name == "STYLE") html += kStyle;
+    if (name == "SCRIPT") html += kScript;
+    if (name == "DATA") html += data;
+    rest.remove_prefix(end + 2);
+  }
+  return html.append(rest);
+}
+
 }  // namespace
 
 std::string page_policy(PageSource source) {
@@ -34,21 +53,28 @@ std::string page_policy(PageSource source) {
 }
 
 std::string page_html(std::string_view title, std::string_view data_json, PageSource source) {
-  std::string html;
-  html.reserve(kPage.size() + kStyle.size() + kScript.size() + data_json.size() + 1024);
-  std::string_view rest = kPage;
-  for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
-    const std::size_t end = rest.find("}}", begin);
-    const std::string_view name = rest.substr(begin + 2, end - begin - 2);
-    html += rest.substr(0, begin);
-    if (name == "POLICY") html += page_policy(source);
-    if (name == "TITLE") html += markup_text(title);
-    if (name == "STYLE") html += kStyle;
-    if (name == "SCRIPT") html += kScript;
-    if (name == "DATA") html += json_in_html(data_json);
-    rest.remove_prefix(end + 2);
-  }
-  return html.append(rest);
+  return page_of(markup_text(title), json_in_html(data_json), source);
+}
+
+std::string with_background(std::string_view html, std::string_view background_json) {
+  constexpr std::string_view kData = R"(<script id="map-data" type="application/json">{)";
+  constexpr std::string_view kBackground = "\"background\":{", kEnd = "\"},";
+  constexpr std::string_view kTitle = "<title>", kTitleEnd = "</title>";
+  const std::size_t head = html.find(kData), title = html.find(kTitle);
+  if (head == html.npos || title > head) return {};
+  std::size_t begin = head + kData.size();
+  const std::size_t data_end = html.find("</script>", begin), title_end = html.find(kTitleEnd);
+  if (data_end == html.npos || title_end > head) return {};
+  // Neither numbers nor base 64 have the characters of its end.
+  if (html.substr(begin, kBackground.size()) == kBackground)
+    begin = html.find(kEnd, begin) + kEnd.size();
+  if (begin > data_end) return {};
+  std::string data = "{";
+  data.append(background_json).append(html.substr(begin, data_end - begin));
+  const bool has_tiles = html.substr(0, head).find(" file:") != html.npos;
+  const std::size_t words = title + kTitle.size();
+  return page_of(html.substr(words, title_end - words), data,
+                 has_tiles ? PageSource::kFileWithTiles : PageSource::kFile);
 }
 
 }  // namespace orchard::view

@@ -17,6 +17,10 @@ enum class PageSource {
 /// is JSON from map_data_json(). Their content is displayed, never executed.
 std::string page_html(std::string_view title, std::string_view data_json, PageSource source);
 
+/// Makes a page of page_html(), of this program or an earlier one, anew, with a background
+/// (map_data.hpp) in place of the one that it has. "" if `html` is no such page.
+std::string with_background(std::string_view html, std::string_view background_json);
+
 /// Content security policy of the page: only its own script and style.
 std::string page_policy(PageSource source);
 

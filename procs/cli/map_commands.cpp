@@ -163,6 +163,8 @@ void add_history_words(EditCommands& words) {
   }
   words.add("list", run_edit_list).add_flag("--json", words.options().json);
   words.add("check", run_edit_check).add_flag("--json", words.options().json);
+  add_required(words.add("background", run_edit_background), "picture",
+               words.options().picture_path, "FILE");
   add_required(words.add("apply", run_edit_apply), "--out", words.options().out_folder, "DIR");
 }
 

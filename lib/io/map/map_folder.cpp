@@ -23,6 +23,7 @@
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/gis/map_layers.hpp"
+#include "io/map/background_file.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/plan_names.hpp"
 #include "io/map/rounded.hpp"
@@ -32,7 +33,6 @@
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/number_text.hpp"
 #include "timing/drive_time.hpp"
-#include "view/map_data.hpp"
 #include "view/map_tiles.hpp"
 #include "view/page.hpp"
 
@@ -322,7 +322,12 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
     for (const auto& [id, photo] : photos) page.photo_ids.push_back(id);
     tiles.emplace(page);
   }
-  files.write((path / "map.html").string(), tiles ? map_page(page, *tiles) : map_page(page));
+  std::string html = tiles ? map_page(page, *tiles) : map_page(page);
+  if (content.background) {
+    write_background(folder, *content.background, files);
+    html = view::with_background(html, view::background_json(*content.background));
+  }
+  files.write((path / "map.html").string(), html);
   files.write((path / "trajectory.csv").string(), trajectory_csv_pieces(content.trajectory));
   files.write((path / "trajectory.tum").string(), trajectory_tum_pieces(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {

@@ -17,6 +17,7 @@
 #include "mapping/rows/rows.hpp"
 #include "pose/pose_estimate.hpp"
 #include "text/finding.hpp"
+#include "view/map_data.hpp"
 
 namespace orchard::io {
 
@@ -54,12 +55,13 @@ struct MapFolderContent {
   /// For a map of several drives: the paths of the second and later ones.
   std::vector<std::vector<pose::PoseEstimate>> more_trajectories{};
   std::optional<geometry::Georeference> georeference{};
-  std::optional<mapping::SensorView> view{};  ///< sensor coverage; used by `orchard compare`
-  std::string ids_csv{};                      ///< ids.csv of a merged map; empty: none
-  mapping::PlanNames plan_names{};            ///< of the grower's plan; empty: none
-  std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
-  std::vector<DegradedInterval> degraded{};   ///< in order of time
-  std::int32_t next_id = 0;                   ///< above every id of this and earlier maps
+  std::optional<view::Background> background{};  ///< beneath the page's map
+  std::optional<mapping::SensorView> view{};     ///< sensor coverage; used by `orchard compare`
+  std::string ids_csv{};                         ///< ids.csv of a merged map; empty: none
+  mapping::PlanNames plan_names{};               ///< of the grower's plan; empty: none
+  std::optional<double> tree_scatter_m{};        ///< Mapper::tree_scatter_m() of the mapper
+  std::vector<DegradedInterval> degraded{};      ///< in order of time
+  std::int32_t next_id = 0;                      ///< above every id of this and earlier maps
   std::vector<mapping::PlacedPhotograph> photographs{};  ///< assigned to landmarks when writing
   std::size_t album_bytes_max = 0;
 };

@@ -17,6 +17,7 @@ class App {
     this.painter.resize();
     this.setMenu(this.view.width > 640);
     if (data.tiles) this.tiles = new Tiles(this);
+    this.model.backgroundCame = () => this.redraw();
     this.showAll();
     this.here = new Here(this);
     this.tasks = new Tasks(this);
@@ -67,7 +68,7 @@ class App {
   // Updates everything except the canvas after the map has changed.
   showAll() {
     showSummary(this.model, this.data);
-    showLegend(this.theme, this.painter.shown, () => this.redraw());
+    showLegend(this.theme, this.painter.shown, () => this.redraw(), this.model.hasBackground);
     showRows(this.model, (row) => this.showRow(row));
     showNorth(this.model.georeference);
     this.redraw();
@@ -75,7 +76,7 @@ class App {
 
   recolour() {
     if (!this.painter) return; // during construction
-    showLegend(this.theme, this.painter.shown, () => this.redraw());
+    showLegend(this.theme, this.painter.shown, () => this.redraw(), this.model.hasBackground);
     this.redraw();
   }
 

@@ -10,6 +10,7 @@ const kLayers = [
   ["ways", "Aisles and headland paths, with free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
   ["paths", "The robot's path", (c, t) => drawKeyLine(c, t.colours.path, 2)],
   ["labels", "Numbers", (c, t) => drawKeyText(c, t.colours.text)],
+  ["background", "The picture beneath", (c, t) => drawKeyLine(c, t.colours.gap, 9)],
 ];
 
 function drawKeyLine(context, colour, width) {
@@ -37,8 +38,8 @@ function keyPicture(draw, theme) {
   return canvas;
 }
 
-function showLegend(theme, shown, changed) {
-  const lines = kLayers.map(([layer, words, draw]) => {
+function showLegend(theme, shown, changed, hasBackground) {
+  const lines = kLayers.filter(([layer]) => layer !== "background" || hasBackground).map(([layer, words, draw]) => {
     const box = element("input", { type: "checkbox", checked: shown[layer] });
     box.dataset.layer = layer;
     box.addEventListener("change", () => { shown[layer] = box.checked; changed(); });

@@ -36,10 +36,23 @@ class MapModel {
     this.indexOfId = new Map(this.columns.id.map((id, i) => [id, i]));
     this.paths = data.paths || [];
     this.georeference = data.georeference || null;
+    if (data.background) this.setBackground(data.background);
     this.photos = data.photos || {};
     this.photoIds = new Set(data.photo_ids || []);
     this.setNames(data.row_names || {}, data.notes || {});
     this.setRows(data.rows || [], data.ways || []);
+  }
+
+  // A picture from above beneath the map; it is there a moment later.
+  setBackground({ box, jpeg }) {
+    const image = new Image();
+    image.addEventListener("load", () => {
+      this.background = { image, box };
+      this.revision++;
+      this.backgroundCame?.();
+    });
+    image.src = "data:image/jpeg;base64," + jpeg;
+    this.hasBackground = true;
   }
 
   // The overview of a large map in `tiles`: lines and numbers, without landmarks.

@@ -7,7 +7,7 @@ class Painter {
     this.view = view;
     this.theme = theme;
     this.shown = { trees: true, trunks: true, objects: true, unseen: true, rows: true, gaps: true, ways: true, paths: true,
-      labels: true, robot: true, scan: true };
+      labels: true, background: true, robot: true, scan: true };
     this.selected = -1;
     this.selectedGap = null;
     this.dots = new DotLayer();
@@ -38,7 +38,9 @@ class Painter {
   paintScene(context, view, ratio) {
     const brush = new SceneBrush(context, view, ratio, this);
     brush.paintGround();
-    if (this.shown.ways) brush.paintWays();
+    const background = this.shown.background && this.model.background;
+    if (background) brush.paintBackground(background);
+    if (this.shown.ways) brush.paintWays(background ? 0.35 : 1);
     if (this.shown.rows) brush.paintRows();
     if (this.shown.paths) brush.paintPaths();
     if (this.shown.gaps) brush.paintGaps();

@@ -15,6 +15,12 @@ class SceneBrush {
       dots: painter.dots });
   }
 
+  paintBackground({ image, box: [x0, y0, x1, y1] }) {
+    const { context, view } = this;
+    const left = view.toScreenX(x0), top = view.toScreenY(y1);
+    context.drawImage(image, left, top, view.toScreenX(x1) - left, view.toScreenY(y0) - top);
+  }
+
   paintGround() {
     const { context, view, theme } = this;
     context.fillStyle = theme.colours.ground;
@@ -59,8 +65,10 @@ class SceneBrush {
     if (this.model.tiles) this.model.tiles.paintShades(this.context, this.view, this.theme, this.shown);
   }
 
-  paintWays() {
+  // Over a picture, so that it shows through.
+  paintWays(opacity) {
     const { context, theme, view } = this;
+    context.globalAlpha = opacity;
     context.lineCap = context.lineJoin = "round";
     context.strokeStyle = theme.colours.way;
     for (const way of this.model.ways) {
@@ -70,6 +78,7 @@ class SceneBrush {
       context.stroke();
     }
     context.lineCap = "butt";
+    context.globalAlpha = 1;
   }
 
   paintRows() {

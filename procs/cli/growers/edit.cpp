@@ -16,7 +16,9 @@
 #include "cli/maps/stored_maps.hpp"
 #include "detection/detection.hpp"
 #include "io/file_error.hpp"
+#include "io/gis/background.hpp"
 #include "io/gis/edited_map_file.hpp"
+#include "io/map/background_file.hpp"
 #include "io/map/corrected_map.hpp"
 #include "io/map/corrections_file.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
@@ -116,6 +118,31 @@ int run_edit_check(const EditOptions& options) {
   return is_sound && map.num_unfinished_bytes == 0 ? bus::kExitOk : bus::kExitInput;
 }
 
+int run_edit_background(const EditOptions& options) {
+  require_folder(options.map_folder);
+  const io::StoredMap map = io::read_stored_map(options.map_folder);
+  if (!map.georeference) {
+    throw io::FileError(options.map_folder +
+                        " is not georeferenced, so a picture has no place in it; map a drive with "
+                        "GNSS, or give it a plan (`orchard plan`)");
+  }
+  Eigen::AlignedBox2d box;
+  for (const mapping::Landmark& l : map.landmarks) box.extend(Eigen::Vector2d(l.x_m, l.y_m));
+  for (const auto& path : map.trajectories) {
+    for (const auto& pose : path) box.extend(Eigen::Vector2d(pose.x_m, pose.y_m));
+  }
+  if (box.isEmpty()) throw io::FileError(options.map_folder + " is an empty map");
+  constexpr double kAround_m = 10.0;  // physical: about a headland
+  box.extend(box.min() - Eigen::Vector2d::Constant(kAround_m));
+  box.extend(box.max() + Eigen::Vector2d::Constant(kAround_m));
+  const view::Background background =
+      io::background_of(options.picture_path, *map.georeference, box);
+  io::set_background(options.map_folder, background);
+  std::printf("%s lies under the map on map.html and in `orchard view`, %.0f m by %.0f m\n",
+              printable_text(options.picture_path).c_str(), box.sizes().x(), box.sizes().y());
+  return bus::kExitOk;
+}
+
 int run_edit_apply(const EditOptions& options) {
   require_other_folder(options.out_folder, {options.map_folder});
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_folder);
@@ -125,6 +152,7 @@ int run_edit_apply(const EditOptions& options) {
   io::MapFolderContent content = content_of(known);
   content.rows = map.rows;
   content.graph = map.graph;
+  content.background = io::read_background(options.map_folder);
   content.summary.source = "corrected";
   content.summary.counts = {{"corrections", static_cast<std::int64_t>(map.corrections.size())}};
   for (const mapping::CorrectionResult& result : map.corrected.results) {

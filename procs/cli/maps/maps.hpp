@@ -77,6 +77,7 @@ struct EditOptions {
   io::MapEdit edit;
   std::vector<double> at_m;  ///< x y [x y] in map
   std::string out_folder;    ///< apply
+  std::string picture_path;  ///< background
   bool json = false;         ///< list, check
 };
 
@@ -89,6 +90,9 @@ struct EditOptions {
 
 /// Prints the corrections in conflict; returns exit code 3 when there are any.
 [[gnu::weak]] int run_edit_check(const EditOptions& options);
+
+/// Lays a picture from above under the map's page.
+[[gnu::weak]] int run_edit_background(const EditOptions& options);
 
 /// Writes the corrected map to a separate folder.
 [[gnu::weak]] int run_edit_apply(const EditOptions& options);

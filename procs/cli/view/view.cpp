@@ -24,6 +24,7 @@
 #include "cli/maps/stored_maps.hpp"
 #include "cli/view/log_page.hpp"
 #include "io/file_error.hpp"
+#include "io/map/background_file.hpp"
 #include "io/map/corrected_map.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/map_folder.hpp"
@@ -60,6 +61,7 @@ class FolderPage : public procs::PageContent {
     title_ = printable_text(path.filename().string());
     boot_ = std::to_string(std::random_device()());
     io::StoredMap mapped = io::read_stored_map(folder);
+    background_ = io::read_background(folder);
     std::error_code error;
     const bool has_album =
         fs::is_directory(fs::path(folder_) / fs::path(io::photo_path(0)).parent_path(), error);
@@ -84,6 +86,7 @@ class FolderPage : public procs::PageContent {
     }
     std::string json =
         now->tiles ? now->tiles->overview_json() : view::map_data_json(page_data(*now));
+    if (background_) json.insert(1, view::background_json(*background_));
     json.insert(1, "\"mode\":\"folder\",\"boot\":\"" + boot_ + "\",\"can_edit\":" +
                        (can_edit_ ? "true" : "false") + ",\"who\":" + view::json_text(who_) +
                        ",\"revision\":" + std::to_string(revision) + ",");
@@ -207,6 +210,7 @@ class FolderPage : public procs::PageContent {
   std::string who_;
   std::string boot_;  ///< identifies this run of the server: the page of an earlier run reloads
   std::vector<std::int32_t> photo_ids_;
+  std::optional<view::Background> background_;
   std::mutex edit_mutex_;  ///< serialises edits, so that they are shown in order
   procs::MapEditor editor_;
   mutable std::mutex mutex_;  ///< guards all below, so that readers do not wait for an edit

@@ -5,14 +5,28 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 namespace orchard::io {
+
+/// The bytes of a number, little-endian, which is the byte order of x86 and ARM.
+template <class T>
+std::string number_bytes(T value) {
+  return std::string(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+/// The bytes of a text after its size, as ByteFields::text() reads them.
+inline std::string text_bytes(std::string_view text) {
+  return number_bytes(static_cast<std::uint32_t>(text.size())).append(text);
+}
 
 /// Reads consecutive little-endian numbers and length-prefixed texts from bytes. Reading beyond the
 /// end gives 0 or empty values, and ok() is false from then on.
 class ByteFields {
  public:
   ByteFields(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
+  explicit ByteFields(std::string_view bytes)
+      : ByteFields(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) {}
 
   template <class T>
   T number() {

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "io/atomic_file.hpp"
+#include "io/byte_fields.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
@@ -25,7 +26,6 @@ constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kJournalHeaderBytes = 24;
 constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
 constexpr std::size_t kBlockHeaderBytes = 16;
-constexpr std::size_t kRecordHeaderBytes = 5;
 /// Size at which a block is closed; a single record may be as large as the largest message.
 constexpr std::size_t kBlockMax = std::size_t{1} << 20;
 constexpr std::size_t kBlockReadMax = std::size_t{32} << 20;
@@ -35,30 +35,8 @@ constexpr int kCompressionLevel = 1;
 /// hour.
 constexpr std::size_t kWaitingMax = 64;
 
-template <class Unsigned>
-void put(std::string& to, Unsigned value) {
-  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-    to.push_back(static_cast<char>(static_cast<std::uint8_t>(value >> (8 * i))));
-  }
-}
-
-void put_record(std::string& to, std::uint8_t kind, std::string_view bytes) {
-  put(to, kind);
-  put(to, static_cast<std::uint32_t>(bytes.size()));
-  to.append(bytes);
-}
-
-std::string gap_of(std::uint32_t num_dropped) {
-  std::string number, record;
-  put(number, num_dropped);
-  put_record(record, Journal::kGapKind, number);
-  return record;
-}
-
-std::uint32_t get32(const char* bytes) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i-- > 0;) value = value << 8 | static_cast<std::uint8_t>(bytes[i]);
-  return value;
+std::string record_of(std::uint8_t kind, std::string_view bytes) {
+  return number_bytes(kind) + text_bytes(bytes);
 }
 
 std::uint32_t crc_of(std::string_view bytes) {
@@ -67,11 +45,8 @@ std::uint32_t crc_of(std::string_view bytes) {
 }
 
 std::string header_of(std::int64_t identity) {
-  std::string header(kJournalMagic, 8);
-  put(header, kVersion);
-  put(header, static_cast<std::uint64_t>(identity));
-  put(header, crc_of(header));
-  return header;
+  const std::string header = kJournalMagic + number_bytes(kVersion) + number_bytes(identity);
+  return header + number_bytes(crc_of(header));
 }
 
 /// Compares a header with the expected one and states the difference.
@@ -82,14 +57,18 @@ JournalReading judge_header(const std::string& header, std::int64_t identity) {
     reading.num_good_bytes = kJournalHeaderBytes;
     return reading;
   }
+  ByteFields fields(header);
+  const bool is_journal = header.compare(0, 8, kJournalMagic) == 0 && fields.take(8) != nullptr;
+  const auto version = fields.number<std::uint32_t>();
+  fields.number<std::int64_t>();  // the other identity
   reading.state = JournalReading::State::kDamaged;
-  if (header.compare(0, 8, kJournalMagic, 8) != 0) {
+  if (!is_journal) {
     reading.reason = "it has no header of a journal";
-  } else if (get32(header.data() + 20) != crc_of({header.data(), 20})) {
+  } else if (fields.number<std::uint32_t>() != crc_of({header.data(), 20})) {
     reading.reason = "its header is damaged";
-  } else if (get32(header.data() + 8) != kVersion) {
-    reading.reason = "it has format " + std::to_string(get32(header.data() + 8)) + " instead of " +
-                     std::to_string(kVersion);
+  } else if (version != kVersion) {
+    reading.reason =
+        "it has format " + std::to_string(version) + " instead of " + std::to_string(kVersion);
   } else {
     reading.state = JournalReading::State::kOtherMaker;
   }
@@ -99,28 +78,43 @@ JournalReading judge_header(const std::string& header, std::int64_t identity) {
 /// Passes the records of an inflated block to the hook; false if their sizes are inconsistent.
 bool hand_over(std::string_view records, JournalReading& reading,
                const JournalRecordHook& on_record) {
-  while (!records.empty()) {
-    if (records.size() < kRecordHeaderBytes) return false;
-    const std::uint32_t size = get32(records.data() + 1);
-    if (size > records.size() - kRecordHeaderBytes) return false;
-    const auto kind = static_cast<std::uint8_t>(records.front());
+  ByteFields fields(records);
+  while (fields.left() > 0) {
+    const auto kind = fields.number<std::uint8_t>();
+    const std::size_t size = fields.number<std::uint32_t>();
+    const std::uint8_t* bytes = fields.take(size);
+    if (!fields.ok()) return false;
+    const std::string_view record(reinterpret_cast<const char*>(bytes), size);
     if (kind == Journal::kGapKind) {
       if (size != sizeof(std::uint32_t)) return false;
-      reading.num_missing += get32(records.data() + kRecordHeaderBytes);
+      reading.num_missing += ByteFields(record).number<std::uint32_t>();
     } else {
       ++reading.num_records;
-      if (on_record) on_record(kind, records.substr(kRecordHeaderBytes, size));
+      if (on_record) on_record(kind, record);
     }
-    records.remove_prefix(kRecordHeaderBytes + size);
   }
   return true;
 }
 
+struct BlockHeader {
+  explicit BlockHeader(std::string_view bytes) {
+    ByteFields fields(bytes);
+    mark = fields.number<std::uint32_t>();
+    inflated_bytes = fields.number<std::uint32_t>();
+    stored_bytes = fields.number<std::uint32_t>();
+    crc = fields.number<std::uint32_t>();
+  }
+  bool is_believed() const {
+    return mark == kBlockMark && stored_bytes <= kBlockReadMax && inflated_bytes <= kBlockReadMax;
+  }
+  std::uint32_t mark, inflated_bytes, stored_bytes, crc;
+};
+
 /// Checks a block and passes its records to the hook; false if it is damaged.
-bool use_block(const std::string& header, const std::string& stored, JournalReading& reading,
+bool use_block(const BlockHeader& header, const std::string& stored, JournalReading& reading,
                const JournalRecordHook& on_record) {
-  if (crc_of(stored) != get32(header.data() + 12)) return false;
-  std::string records(get32(header.data() + 4), '\0');
+  if (crc_of(stored) != header.crc) return false;
+  std::string records(header.inflated_bytes, '\0');
   if (ZSTD_decompress(records.data(), records.size(), stored.data(), stored.size()) !=
       records.size()) {
     return false;
@@ -162,14 +156,12 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
     std::uint64_t end = file_size;
     if (left >= kBlockHeaderBytes) {
       file.read(block_header.data(), kBlockHeaderBytes);
-      const std::uint64_t size = get32(block_header.data() + 8);
-      const bool believed = get32(block_header.data()) == kBlockMark && size <= kBlockReadMax &&
-                            get32(block_header.data() + 4) <= kBlockReadMax;
-      end = believed ? offset + kBlockHeaderBytes + size : offset + kBlockHeaderBytes;
-      if (believed && end <= file_size) {
-        stored.resize(size);
-        file.read(stored.data(), static_cast<std::streamsize>(size));
-        holds = file && use_block(block_header, stored, reading, on_record);
+      const BlockHeader block(block_header);
+      end = offset + kBlockHeaderBytes + (block.is_believed() ? block.stored_bytes : 0);
+      if (block.is_believed() && end <= file_size) {
+        stored.resize(block.stored_bytes);
+        file.read(stored.data(), static_cast<std::streamsize>(stored.size()));
+        holds = file && use_block(block, stored, reading, on_record);
       }
     }
     if (holds) {
@@ -222,7 +214,7 @@ void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
     num_dropped_ += waiting_.front().count;
     waiting_.erase(waiting_.begin());
   }
-  put_record(waiting_.back().records, kind, {static_cast<const char*>(bytes), size});
+  waiting_.back().records += record_of(kind, {static_cast<const char*>(bytes), size});
   ++waiting_.back().count;
 }
 
@@ -233,12 +225,11 @@ void Journal::write_block(const std::string& records) {
                     records.data(), records.size(), kCompressionLevel);
   if (ZSTD_isError(size) != 0) throw SystemError(path_ + ": cannot be compressed");
   block.resize(kBlockHeaderBytes + size);
-  std::string header;
-  put(header, kBlockMark);
-  put(header, static_cast<std::uint32_t>(records.size()));
-  put(header, static_cast<std::uint32_t>(size));
-  put(header, crc_of({block.data() + kBlockHeaderBytes, size}));
-  block.replace(0, kBlockHeaderBytes, header);
+  block.replace(0, kBlockHeaderBytes,
+                number_bytes(kBlockMark) +
+                    number_bytes(static_cast<std::uint32_t>(records.size())) +
+                    number_bytes(static_cast<std::uint32_t>(size)) +
+                    number_bytes(crc_of({block.data() + kBlockHeaderBytes, size})));
   try {
     write_fully(fd_, path_, block.data(), block.size());
   } catch (const FileError&) {  // remove the partial block
@@ -262,7 +253,8 @@ void Journal::commit() {
   try {
     if (size_ == 0) write_header();  // the disk was full at the start
     for (const Waiting& block : blocks) {
-      write_block(num_dropped > 0 ? gap_of(num_dropped) + block.records : block.records);
+      write_block(num_dropped > 0 ? record_of(kGapKind, number_bytes(num_dropped)) + block.records
+                                  : block.records);
       num_dropped = 0;
       ++num_written;
     }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "io/bag/record_bag.hpp"
+#include "io/byte_fields.hpp"
 
 namespace orchard::io {
 namespace {
@@ -34,16 +35,8 @@ enum Opcode : std::uint8_t {
   kDataEnd = 0x0F,
 };
 
-/// Little-endian, which is the byte order of x86 and ARM.
-template <class T>
-std::string number(T value) {
-  return std::string(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-std::string counted(std::string_view text) {
-  return number(static_cast<std::uint32_t>(text.size())) + std::string(text);
-}
 std::string record(std::uint8_t opcode, std::string_view content) {
-  return static_cast<char>(opcode) + number(static_cast<std::uint64_t>(content.size())) +
+  return static_cast<char>(opcode) + number_bytes(static_cast<std::uint64_t>(content.size())) +
          std::string(content);
 }
 
@@ -162,7 +155,7 @@ class McapFormat : public RecordFormat {
 
 McapWriter::McapWriter(std::ostream& out) : out_(out) {
   put(kMagic);
-  put_record(kHeader, counted("ros2") + counted("orchard-mapper"));
+  put_record(kHeader, text_bytes("ros2") + text_bytes("orchard-mapper"));
 }
 
 void McapWriter::put(std::string_view bytes) {
@@ -180,14 +173,15 @@ std::uint16_t McapWriter::add_topic(const std::string& topic, const std::string&
   auto& schema = schema_of_[type];
   if (schema == 0) {
     schema = static_cast<std::uint16_t>(schema_of_.size());
-    records +=
-        record(kSchema, number(schema) + counted(type) + counted("ros2msg") + counted(definition));
+    records += record(kSchema, number_bytes(schema) + text_bytes(type) + text_bytes("ros2msg") +
+                                   text_bytes(definition));
   }
   num_of_topic_.push_back(0);
   const auto id = static_cast<std::uint16_t>(num_of_topic_.size());
-  records += record(kChannel, number(id) + number(schema) + counted(topic) + counted("cdr") +
-                                  counted(counted("offered_qos_profiles") +
-                                          counted(is_kept ? kKeptProfile : "")));
+  records += record(
+      kChannel,
+      number_bytes(id) + number_bytes(schema) + text_bytes(topic) + text_bytes("cdr") +
+          text_bytes(text_bytes("offered_qos_profiles") + text_bytes(is_kept ? kKeptProfile : "")));
   chunk_ += records;
   topics_ += records;
   return id;
@@ -200,10 +194,11 @@ void McapWriter::write(std::uint16_t topic, std::int64_t utime, std::string_view
   chunk_last_ns_ = is_first_of_chunk ? time_ns : std::max(chunk_last_ns_, time_ns);
   first_ns_ = num_messages_ == 0 ? time_ns : std::min(first_ns_, time_ns);
   last_ns_ = std::max(last_ns_, time_ns);
-  chunk_indexes_[topic] += number(time_ns) + number(static_cast<std::uint64_t>(chunk_.size()));
+  chunk_indexes_[topic] +=
+      number_bytes(time_ns) + number_bytes(static_cast<std::uint64_t>(chunk_.size()));
   auto& num = num_of_topic_.at(topic - 1u);
-  chunk_ += record(kMessage, number(topic) + number(static_cast<std::uint32_t>(num)) +
-                                 number(time_ns) + number(time_ns) + std::string(cdr));
+  chunk_ += record(kMessage, number_bytes(topic) + number_bytes(static_cast<std::uint32_t>(num)) +
+                                 number_bytes(time_ns) + number_bytes(time_ns) + std::string(cdr));
   ++num;
   ++num_messages_;
   if (chunk_.size() >= kChunkBytes) finish_chunk();
@@ -225,14 +220,14 @@ void McapWriter::finish_chunk() {
   place.offset = position_;
   place.packed_size = packed.size();
   place.content_size = chunk_.size();
-  put_record(kChunk, number(chunk_first_ns_) + number(chunk_last_ns_) +
-                         number(static_cast<std::uint64_t>(chunk_.size())) + number(crc) +
-                         counted("zstd") + number(static_cast<std::uint64_t>(packed.size())) +
-                         packed);
+  put_record(kChunk, number_bytes(chunk_first_ns_) + number_bytes(chunk_last_ns_) +
+                         number_bytes(static_cast<std::uint64_t>(chunk_.size())) +
+                         number_bytes(crc) + text_bytes("zstd") +
+                         number_bytes(static_cast<std::uint64_t>(packed.size())) + packed);
   place.size = position_ - place.offset;
   for (const auto& [topic, entries] : chunk_indexes_) {
     place.indexes[topic] = position_;
-    put_record(kMessageIndex, number(topic) + counted(entries));
+    put_record(kMessageIndex, number_bytes(topic) + text_bytes(entries));
   }
   place.index_size = position_ - place.offset - place.size;
   chunks_.push_back(std::move(place));
@@ -244,30 +239,34 @@ void McapWriter::finish_chunk() {
 std::string McapWriter::statistics() const {
   std::string counts;
   for (std::size_t i = 0; i < num_of_topic_.size(); ++i) {
-    counts += number(static_cast<std::uint16_t>(i + 1)) + number(num_of_topic_[i]);
+    counts += number_bytes(static_cast<std::uint16_t>(i + 1)) + number_bytes(num_of_topic_[i]);
   }
-  return number(num_messages_) + number(static_cast<std::uint16_t>(schema_of_.size())) +
-         number(static_cast<std::uint32_t>(num_of_topic_.size())) + number(std::uint32_t{0}) +
-         number(std::uint32_t{0}) + number(static_cast<std::uint32_t>(chunks_.size())) +
-         number(first_ns_) + number(last_ns_) + counted(counts);
+  return number_bytes(num_messages_) + number_bytes(static_cast<std::uint16_t>(schema_of_.size())) +
+         number_bytes(static_cast<std::uint32_t>(num_of_topic_.size())) +
+         number_bytes(std::uint32_t{0}) + number_bytes(std::uint32_t{0}) +
+         number_bytes(static_cast<std::uint32_t>(chunks_.size())) + number_bytes(first_ns_) +
+         number_bytes(last_ns_) + text_bytes(counts);
 }
 
 void McapWriter::finish() {
   finish_chunk();
-  put_record(kDataEnd, number(std::uint32_t{0}));
+  put_record(kDataEnd, number_bytes(std::uint32_t{0}));
   const std::uint64_t summary = position_;
   put(topics_);
   put_record(kStatistics, statistics());
   for (const ChunkPlace& chunk : chunks_) {
     std::string indexes;
-    for (const auto& [topic, offset] : chunk.indexes) indexes += number(topic) + number(offset);
-    put_record(kChunkIndex, number(chunk.first_ns) + number(chunk.last_ns) + number(chunk.offset) +
-                                number(chunk.size) + counted(indexes) + number(chunk.index_size) +
-                                counted("zstd") + number(chunk.packed_size) +
-                                number(chunk.content_size));
+    for (const auto& [topic, offset] : chunk.indexes)
+      indexes += number_bytes(topic) + number_bytes(offset);
+    put_record(kChunkIndex, number_bytes(chunk.first_ns) + number_bytes(chunk.last_ns) +
+                                number_bytes(chunk.offset) + number_bytes(chunk.size) +
+                                text_bytes(indexes) + number_bytes(chunk.index_size) +
+                                text_bytes("zstd") + number_bytes(chunk.packed_size) +
+                                number_bytes(chunk.content_size));
   }
   // 0: neither summary offsets nor a checksum of the summary.
-  put_record(kFooter, number(summary) + number(std::uint64_t{0}) + number(std::uint32_t{0}));
+  put_record(kFooter, number_bytes(summary) + number_bytes(std::uint64_t{0}) +
+                          number_bytes(std::uint32_t{0}));
   put(kMagic);
   out_.flush();
 }

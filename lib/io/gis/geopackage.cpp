@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 
+#include "io/byte_fields.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
@@ -132,50 +132,32 @@ struct Bounds {
   bool empty() const { return x1 < x0; }
 };
 
-/// Bytes of a geometry: numbers are little-endian.
-class Blob {
- public:
-  template <class T>
-  void put(T value) {
-    std::uint64_t bits = 0;
-    static_assert(sizeof(T) <= sizeof bits);
-    if constexpr (sizeof(T) == sizeof bits) {
-      std::memcpy(&bits, &value, sizeof bits);
-    } else {
-      bits = static_cast<std::uint64_t>(value);
-    }
-    for (std::size_t i = 0; i < sizeof(T); ++i) {
-      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
-    }
-  }
-  void put(const Eigen::Vector2d& p) { put(p.x()), put(p.y()); }
-  const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
+std::string point_bytes(const Eigen::Vector2d& p) {
+  return number_bytes(p.x()) + number_bytes(p.y());
+}
 
 /// A geometry as GeoPackage stores it: a header with its bounds, then WKB.
-std::vector<std::uint8_t> geometry_blob(GeoGeometry geometry, int system_id,
-                                        const std::vector<Eigen::Vector2d>& points,
-                                        const Bounds& bounds) {
-  constexpr std::uint8_t kLittleEndian = 1, kWithBounds = 2;
+std::string geometry_blob(GeoGeometry geometry, int system_id,
+                          const std::vector<Eigen::Vector2d>& points, const Bounds& bounds) {
+  constexpr std::uint8_t kVersion = 0, kLittleEndian = 1, kWithBounds = 2;
   const bool is_point = points.size() == 1;
-  Blob blob;
-  for (const char c : {'G', 'P', '\0'}) blob.put(static_cast<std::uint8_t>(c));
-  blob.put(static_cast<std::uint8_t>(is_point ? kLittleEndian : kLittleEndian | kWithBounds));
-  blob.put(static_cast<std::uint32_t>(system_id));
+  std::string blob = "GP" + number_bytes(kVersion);
+  blob += static_cast<char>(is_point ? kLittleEndian : kLittleEndian | kWithBounds);
+  blob += number_bytes(static_cast<std::uint32_t>(system_id));
   if (!is_point) {
-    for (const double limit : {bounds.x0, bounds.x1, bounds.y0, bounds.y1}) blob.put(limit);
+    for (const double limit : {bounds.x0, bounds.x1, bounds.y0, bounds.y1}) {
+      blob += number_bytes(limit);
+    }
   }
-  blob.put(kLittleEndian);
+  blob += number_bytes(kLittleEndian);
   const bool is_area = !is_point && geometry == GeoGeometry::kArea;
-  blob.put(std::uint32_t{is_point ? 1u : is_area ? 3u : 2u});
-  if (is_area) blob.put(std::uint32_t{1});  // one ring
-  if (!is_point) blob.put(static_cast<std::uint32_t>(points.size() + (is_area ? 1 : 0)));
-  for (const Eigen::Vector2d& p : points) blob.put(p);
-  if (is_area) blob.put(points.front());
-  return blob.bytes();
+  blob += number_bytes(std::uint32_t{is_point ? 1u : is_area ? 3u : 2u});
+  if (is_area) blob += number_bytes(std::uint32_t{1});  // one ring
+  if (!is_point)
+    blob += number_bytes(static_cast<std::uint32_t>(points.size() + (is_area ? 1 : 0)));
+  for (const Eigen::Vector2d& p : points) blob += point_bytes(p);
+  if (is_area) blob += point_bytes(points.front());
+  return blob;
 }
 
 }  // namespace
@@ -388,8 +370,7 @@ void GeoPackage::write_feature(const std::vector<GeoValue>& values,
     points.push_back(m.stored(p_map));
     bounds.add(points.back());
   }
-  const std::vector<std::uint8_t> geometry =
-      geometry_blob(m.layer->geometry, m.system_id, points, bounds);
+  const std::string geometry = geometry_blob(m.layer->geometry, m.system_id, points, bounds);
   m.require(sqlite3_bind_blob(m.insert_feature, 1, geometry.data(),
                               static_cast<int>(geometry.size()), SQLITE_TRANSIENT) == SQLITE_OK);
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -31,20 +31,6 @@ using Eigen::Vector2d;
 constexpr std::size_t kNumFeaturesMax = 2000000;
 constexpr int kNumPointsMax = 100000;  ///< per line
 
-/// The bytes in which the confined process hands over what it read; ByteFields reads them.
-class ByteText {
- public:
-  template <class T>
-  void number(T value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-  }
-  void text(const std::string& value) {
-    number(static_cast<std::uint32_t>(value.size()));
-    bytes += value;
-  }
-  std::string bytes;
-};
-
 std::string crs_text(const OGRSpatialReference& srs) {
   const char* authority = srs.GetAuthorityName(nullptr);
   const char* code = srs.GetAuthorityCode(nullptr);
@@ -139,19 +125,19 @@ class ConfinedReader {
   }
 
   std::string read() {
-    out_.text(driver_);
+    out_ += text_bytes(driver_);
     put_metadata();
-    out_.number(static_cast<std::uint32_t>(dataset_->GetLayerCount()));
-    for (OGRLayer* layer : dataset_->GetLayers()) out_.text(layer->GetName());
+    out_ += number_bytes(static_cast<std::uint32_t>(dataset_->GetLayerCount()));
+    for (OGRLayer* layer : dataset_->GetLayers()) out_ += text_bytes(layer->GetName());
     for (OGRLayer* layer : dataset_->GetLayers()) {
       if (is_wanted(*layer)) put_layer(*layer);
     }
-    out_.number(kEnd);
+    out_ += number_bytes(kEnd);
     if (!errors_.first().empty()) {
       throw FileError(path_ + " could not be read completely (" + errors_.first() +
                       "); a file is read without what it links to");
     }
-    return std::move(out_.bytes);
+    return std::move(out_);
   }
 
   static constexpr std::uint8_t kMore = 1, kEnd = 0;
@@ -167,19 +153,19 @@ class ConfinedReader {
 
   void put_metadata() {
     const char* const* all = dataset_->GetMetadata();
-    out_.number(static_cast<std::uint32_t>(CSLCount(all)));
-    for (int i = 0; i < CSLCount(all); ++i) out_.text(all[i]);
+    out_ += number_bytes(static_cast<std::uint32_t>(CSLCount(all)));
+    for (int i = 0; i < CSLCount(all); ++i) out_ += text_bytes(all[i]);
   }
 
   void put_layer(OGRLayer& layer) {
     const OGRFeatureDefn& definition = *layer.GetLayerDefn();
-    out_.number(kMore);
-    out_.text(layer.GetName());
+    out_ += number_bytes(kMore);
+    out_ += text_bytes(layer.GetName());
     put_crs(layer);
-    out_.number(static_cast<std::uint8_t>(definition.GetGeomFieldCount() > 0));
-    out_.number(static_cast<std::uint32_t>(definition.GetFieldCount()));
+    out_ += number_bytes(static_cast<std::uint8_t>(definition.GetGeomFieldCount() > 0));
+    out_ += number_bytes(static_cast<std::uint32_t>(definition.GetFieldCount()));
     for (int i = 0; i < definition.GetFieldCount(); ++i) {
-      out_.text(definition.GetFieldDefn(i)->GetNameRef());
+      out_ += text_bytes(definition.GetFieldDefn(i)->GetNameRef());
     }
     layer.ResetReading();
     for (std::int64_t number = 1;; ++number) {
@@ -196,7 +182,7 @@ class ConfinedReader {
       at_ = path_ + ": feature " + std::to_string(number) + " of layer " + layer.GetName();
       put_feature(*feature);
     }
-    out_.number(kEnd);
+    out_ += number_bytes(kEnd);
   }
 
   void put_crs(OGRLayer& layer) {
@@ -213,8 +199,8 @@ class ConfinedReader {
       srs = std::move(given);
     }
     crs_ = srs ? crs_text(*srs) : "";
-    out_.text(crs_);
-    out_.text(overruled);
+    out_ += text_bytes(crs_);
+    out_ += text_bytes(overruled);
     if (!srs) return;
     auto transformation = to_wgs84(*srs);
     if (!transformation) {
@@ -224,21 +210,21 @@ class ConfinedReader {
   }
 
   void put_feature(const OGRFeature& feature) {
-    out_.number(kMore);
-    out_.number(static_cast<std::int64_t>(feature.GetFID()));
-    for (int i = 0; i < feature.GetFieldCount(); ++i) out_.text(value_of(feature, i));
+    out_ += number_bytes(kMore);
+    out_ += number_bytes(static_cast<std::int64_t>(feature.GetFID()));
+    for (int i = 0; i < feature.GetFieldCount(); ++i) out_ += text_bytes(value_of(feature, i));
     VectorShape shape = VectorShape::kNone;
     points_.clear();
     const OGRGeometry* geometry = feature.GetGeometryRef();
     if (geometry != nullptr && !geometry->IsEmpty()) shape = take(*geometry);
-    out_.number(shape);
-    out_.number(static_cast<std::uint32_t>(points_.size()));
+    out_ += number_bytes(shape);
+    out_ += number_bytes(static_cast<std::uint32_t>(points_.size()));
     for (Vector2d& p : points_) {
       if (to_degrees_ && !to_degrees_->convert(p)) {
         throw FileError(at_ + " is outside the area of " + crs_);
       }
-      out_.number(p.x());
-      out_.number(p.y());
+      out_ += number_bytes(p.x());
+      out_ += number_bytes(p.y());
     }
   }
 
@@ -297,7 +283,7 @@ class ConfinedReader {
   std::string driver_, crs_, at_;
   std::vector<Vector2d> points_;
   std::size_t num_features_ = 0;
-  ByteText out_;
+  std::string out_;  ///< the bytes that the confined process hands over; file_of() reads them
 };
 
 VectorFeature feature_of(ByteFields& in, std::size_t num_fields) {
@@ -329,7 +315,7 @@ VectorLayer layer_of(ByteFields& in) {
 }
 
 VectorFile file_of(const std::string& bytes, const std::string& path) {
-  ByteFields in(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  ByteFields in(bytes);
   VectorFile file;
   file.driver = in.text();
   for (auto left = in.number<std::uint32_t>(); left > 0 && in.ok(); --left) {

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/csv.hpp"
 
-#include <zlib.h>
-
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <utility>
 
 #include "io/file_error.hpp"
-#include "io/unpacking_budget.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
-
-constexpr std::size_t kReadBytes = std::size_t{1} << 16;
 
 std::string shown(std::string_view text) {
   constexpr std::size_t kShownBytes = 40;
@@ -28,74 +20,8 @@ std::string shown(std::string_view text) {
 
 }  // namespace
 
-/// Source of the bytes.
-class CsvReader::Source {
- public:
-  virtual ~Source() = default;
-  /// Appends some bytes; false at the end. Throws FileError.
-  virtual bool read(std::string& buffer) = 0;
-};
-
-class CsvReader::GzipSource : public CsvReader::Source {
- public:
-  explicit GzipSource(const std::string& path) : path_(path) {
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
-      throw FileError(path + " is a folder, not a CSV file");
-    }
-    errno = 0;
-    file_ = ::gzopen(path.c_str(), "rb");  // reads uncompressed files unchanged
-    if (file_ == nullptr) {
-      throw FileError(path + ": cannot be opened (" +
-                      (errno != 0 ? std::strerror(errno) : "out of memory") +
-                      "); give an existing CSV file");
-    }
-    ::gzbuffer(file_, kReadBytes);
-  }
-  ~GzipSource() override { ::gzclose(file_); }
-  GzipSource(const GzipSource&) = delete;
-  GzipSource& operator=(const GzipSource&) = delete;
-
-  bool read(std::string& buffer) override {
-    const std::size_t size = buffer.size();
-    buffer.resize(size + kReadBytes);
-    const int count = ::gzread(file_, buffer.data() + size, kReadBytes);
-    int code = Z_OK;
-    const char* message = ::gzerror(file_, &code);
-    if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are truncated
-      throw FileError(path_ + ": damaged or truncated (" + message + "); copy or record it again");
-    }
-    buffer.resize(size + static_cast<std::size_t>(count));
-    read_bytes_ += static_cast<std::uint64_t>(count);
-    if (!is_plausibly_packed(static_cast<std::uint64_t>(::gzoffset(file_)), read_bytes_)) {
-      throw FileError(path_ + ": unpacks to over " + std::to_string(read_bytes_ >> 20) +
-                      " MB: no recording packs so well; it is made to exhaust who reads it");
-    }
-    return count > 0;
-  }
-
- private:
-  std::string path_;
-  gzFile file_ = nullptr;
-  std::uint64_t read_bytes_ = 0;
-};
-
-class CsvReader::TextSource : public CsvReader::Source {
- public:
-  explicit TextSource(std::string_view text) : text_(text) {}
-  bool read(std::string& buffer) override {
-    const std::size_t count = std::min(kReadBytes, text_.size());
-    buffer.append(text_.substr(0, count));
-    text_.remove_prefix(count);
-    return count > 0;
-  }
-
- private:
-  std::string_view text_;
-};
-
 CsvReader CsvReader::open(const std::string& path) {
-  return CsvReader(std::make_unique<GzipSource>(path), path);
+  return CsvReader(std::make_unique<GzFile>(path, "CSV file"), path);
 }
 
 CsvReader CsvReader::open_quoted(const std::string& path) {
@@ -104,21 +30,13 @@ CsvReader CsvReader::open_quoted(const std::string& path) {
   return reader;
 }
 
-CsvReader CsvReader::from_text(std::string_view text, const std::string& name) {
-  return CsvReader(std::make_unique<TextSource>(text), name);
-}
-
-CsvReader::CsvReader(std::unique_ptr<Source> source, const std::string& name)
-    : name_(name), source_(std::move(source)) {
+CsvReader::CsvReader(std::unique_ptr<GzFile> file, const std::string& name)
+    : name_(name), file_(std::move(file)) {
   if (!read_line())
     throw FileError(name_ + " is empty; the first line of a CSV file must name the columns");
   split();
   for (const std::string_view field : fields_) columns_.emplace_back(field);
 }
-
-CsvReader::CsvReader(CsvReader&& other) noexcept = default;
-CsvReader& CsvReader::operator=(CsvReader&& other) noexcept = default;
-CsvReader::~CsvReader() = default;
 
 void CsvReader::expect_columns(const std::vector<std::string>& expected) const {
   if (columns_ == expected) return;
@@ -152,7 +70,7 @@ bool CsvReader::read_line() {
       searched -= buffer_begin_;
       buffer_begin_ = 0;
     }
-    at_end_ = !source_->read(buffer_);
+    at_end_ = !file_->read(buffer_);
   }
   ++line_;
   if (end == std::string::npos) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "io/gz_file.hpp"
 #include "io/sane_limits.hpp"
 
 namespace orchard::io {
@@ -28,13 +29,6 @@ class CsvReader {
 
   /// The same, where fields may be quoted as csv_field() does.
   static CsvReader open_quoted(const std::string& path);
-
-  /// Reads text in memory, which must outlive the reader; `name` replaces the path in messages.
-  static CsvReader from_text(std::string_view text, const std::string& name);
-
-  CsvReader(CsvReader&&) noexcept;
-  CsvReader& operator=(CsvReader&&) noexcept;
-  ~CsvReader();
 
   /// Column names of the header.
   const std::vector<std::string>& columns() const { return columns_; }
@@ -65,17 +59,13 @@ class CsvReader {
   [[noreturn]] void fail_at_column(std::size_t column, const std::string& why) const;
 
  private:
-  class Source;
-  class GzipSource;
-  class TextSource;
-
-  CsvReader(std::unique_ptr<Source> source, const std::string& name);
+  CsvReader(std::unique_ptr<GzFile> file, const std::string& name);
   bool read_line();
   void split();
   std::size_t unquote(std::size_t begin);
 
   std::string name_;
-  std::unique_ptr<Source> source_;
+  std::unique_ptr<GzFile> file_;
   std::string buffer_;
   std::size_t buffer_begin_ = 0;
   bool at_end_ = false;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Any text is a table or a FileError. The first byte chooses the table.
-#include <string_view>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <string>
 
 #include "fuzz/fuzz_seeds.hpp"
 #include "io/file_error.hpp"
@@ -19,37 +23,50 @@ void read_all(Table table) {
   }
 }
 
+/// A file in memory, as the readers take names of files only.
+class MemoryFile {
+ public:
+  MemoryFile(const std::uint8_t* bytes, std::size_t size) : fd_(::memfd_create("table.csv", 0)) {
+    if (::write(fd_, bytes, size) != static_cast<ssize_t>(size)) std::abort();
+  }
+  ~MemoryFile() { ::close(fd_); }
+  std::string path() const { return "/proc/self/fd/" + std::to_string(fd_); }
+
+ private:
+  int fd_;
+};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
+  const MemoryFile file(data + 1, size - 1);
   try {
     switch (data[0] % 7) {
       case 0:
-        io::parse_truth_csv(text, "truth.csv");
+        io::read_truth_csv(file.path());
         break;
       case 1:
-        io::parse_map_csv(text, "map.csv");
+        io::read_map_csv(file.path());
         break;
       case 2:
-        io::parse_trajectory_csv(text, "trajectory.csv");
+        io::read_trajectory_csv(file.path());
         break;
       case 3: {
         io::LaserDescription laser;
         laser.num_beams = 3;
         laser.bearing_step_rad = 0.01;
-        read_all(io::ScanCsv(io::CsvReader::from_text(text, "scans.csv"), laser));
+        read_all(io::ScanCsv(io::CsvReader::open(file.path()), laser));
         break;
       }
       case 4:
-        read_all(io::odometry_csv(io::CsvReader::from_text(text, "odometry.csv")));
+        read_all(io::odometry_csv(io::CsvReader::open(file.path())));
         break;
       case 5:
-        read_all(io::gnss_csv(io::CsvReader::from_text(text, "gnss.csv")));
+        read_all(io::gnss_csv(io::CsvReader::open(file.path())));
         break;
       default:
-        read_all(io::pose_fix_csv(io::CsvReader::from_text(text, "poses.csv")));
+        read_all(io::pose_fix_csv(io::CsvReader::open(file.path())));
     }
   } catch (const io::FileError&) {
   }

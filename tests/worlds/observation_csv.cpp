@@ -64,10 +64,6 @@ std::vector<TrueObservation> read_observation_csv(const std::string& path) {
   return read_observations(CsvReader::open(path));
 }
 
-std::vector<TrueObservation> parse_observation_csv(std::string_view text, const std::string& name) {
-  return read_observations(CsvReader::from_text(text, name));
-}
-
 void write_observation_csv(const std::string& path,
                            const std::vector<TrueObservation>& observations) {
   std::string text =

@@ -15,10 +15,6 @@ namespace orchard::io {
 /// occurs twice in one scan or changes its class.
 std::vector<simulation::TrueObservation> read_observation_csv(const std::string& path);
 
-/// Parses text instead; `name` replaces the path in messages.
-std::vector<simulation::TrueObservation> parse_observation_csv(std::string_view text,
-                                                               const std::string& name);
-
 /// Writes the same format atomically. Throws FileError.
 void write_observation_csv(const std::string& path,
                            const std::vector<simulation::TrueObservation>& observations);

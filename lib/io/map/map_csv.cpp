@@ -37,51 +37,6 @@ std::int32_t parse_number_or_empty(const CsvReader& csv, std::size_t field) {
   return static_cast<std::int32_t>(csv.integer_in(field, 1, kMaxInt));
 }
 
-std::vector<Landmark> read_map(CsvReader csv) {
-  std::vector<std::string> columns{"id",          "class",  "x_m",    "y_m",     "n",   "roc_mean",
-                                   "probability", "se_x_m", "se_y_m", "width_m", "row", "position"};
-  // files of earlier releases have fewer columns
-  const bool has_width_sd = csv.columns().size() > columns.size();
-  if (has_width_sd) columns.push_back("width_sd_m");
-  const bool has_length = csv.columns().size() > columns.size();
-  if (has_length) columns.insert(columns.end(), {"length_m", "direction_deg"});
-  csv.expect_columns(columns);
-  std::vector<Landmark> landmarks;
-  std::set<std::int32_t> ids;
-  while (csv.next()) {
-    Landmark landmark;
-    landmark.id = static_cast<std::int32_t>(csv.integer_in(0, 0, kMaxInt));
-    if (!ids.insert(landmark.id).second) csv.fail(0, "this id occurs twice");
-    landmark.label = parse_label(csv, 1);
-    landmark.x_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
-    landmark.y_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);
-    landmark.num_observations = static_cast<std::int32_t>(csv.integer_in(4, 0, kMaxInt));
-    landmark.roc_mean = csv.number_in(5, 0.0, 1.0);
-    landmark.probability = csv.number_in(6, 0.0, 1.0);
-    landmark.se_x_m = csv.number_in(7, 0.0, kMaxSizeM);
-    landmark.se_y_m = csv.number_in(8, 0.0, kMaxSizeM);
-    landmark.width_m = csv.number_in(9, 0.0, kMaxSizeM);
-    landmark.row = parse_number_or_empty(csv, 10);
-    landmark.position = parse_number_or_empty(csv, 11);
-    if (has_width_sd && !csv.text(12).empty()) {
-      landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
-    }
-    if (has_length && !csv.text(13).empty()) {
-      landmark.length_m = csv.number_in(13, 0.0, kMaxSizeM);
-      landmark.direction_rad = csv.number_in(14, -180.0, 180.0) * geometry::kPi / 180.0;
-    }
-    landmarks.push_back(landmark);
-  }
-  return landmarks;
-}
-
-std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
-  TimedCsv<pose::PoseEstimate> table(std::move(csv), pose_columns<pose::PoseEstimate>());
-  std::vector<pose::PoseEstimate> trajectory;
-  while (const auto pose = table.next()) trajectory.push_back(*pose);
-  return trajectory;
-}
-
 constexpr std::size_t kPosesPerPiece = 4096;
 
 /// The head, and then the lines of so many poses at a time.
@@ -142,11 +97,42 @@ std::string map_csv(const std::vector<Landmark>& landmarks) {
 }
 
 std::vector<Landmark> read_map_csv(const std::string& path) {
-  return read_map(CsvReader::open(path));
-}
-
-std::vector<Landmark> parse_map_csv(std::string_view text, const std::string& name) {
-  return read_map(CsvReader::from_text(text, name));
+  CsvReader csv = CsvReader::open(path);
+  std::vector<std::string> columns{"id",          "class",  "x_m",    "y_m",     "n",   "roc_mean",
+                                   "probability", "se_x_m", "se_y_m", "width_m", "row", "position"};
+  // files of earlier releases have fewer columns
+  const bool has_width_sd = csv.columns().size() > columns.size();
+  if (has_width_sd) columns.push_back("width_sd_m");
+  const bool has_length = csv.columns().size() > columns.size();
+  if (has_length) columns.insert(columns.end(), {"length_m", "direction_deg"});
+  csv.expect_columns(columns);
+  std::vector<Landmark> landmarks;
+  std::set<std::int32_t> ids;
+  while (csv.next()) {
+    Landmark landmark;
+    landmark.id = static_cast<std::int32_t>(csv.integer_in(0, 0, kMaxInt));
+    if (!ids.insert(landmark.id).second) csv.fail(0, "this id occurs twice");
+    landmark.label = parse_label(csv, 1);
+    landmark.x_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
+    landmark.y_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);
+    landmark.num_observations = static_cast<std::int32_t>(csv.integer_in(4, 0, kMaxInt));
+    landmark.roc_mean = csv.number_in(5, 0.0, 1.0);
+    landmark.probability = csv.number_in(6, 0.0, 1.0);
+    landmark.se_x_m = csv.number_in(7, 0.0, kMaxSizeM);
+    landmark.se_y_m = csv.number_in(8, 0.0, kMaxSizeM);
+    landmark.width_m = csv.number_in(9, 0.0, kMaxSizeM);
+    landmark.row = parse_number_or_empty(csv, 10);
+    landmark.position = parse_number_or_empty(csv, 11);
+    if (has_width_sd && !csv.text(12).empty()) {
+      landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
+    }
+    if (has_length && !csv.text(13).empty()) {
+      landmark.length_m = csv.number_in(13, 0.0, kMaxSizeM);
+      landmark.direction_rad = csv.number_in(14, -180.0, 180.0) * geometry::kPi / 180.0;
+    }
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
 }
 
 TextPieces trajectory_csv_pieces(const std::vector<pose::PoseEstimate>& trajectory) {
@@ -169,12 +155,10 @@ void write_trajectory_csv(const std::string& path,
 }
 
 std::vector<pose::PoseEstimate> read_trajectory_csv(const std::string& path) {
-  return read_trajectory(CsvReader::open(path));
-}
-
-std::vector<pose::PoseEstimate> parse_trajectory_csv(std::string_view text,
-                                                     const std::string& name) {
-  return read_trajectory(CsvReader::from_text(text, name));
+  TimedCsv<pose::PoseEstimate> table(CsvReader::open(path), pose_columns<pose::PoseEstimate>());
+  std::vector<pose::PoseEstimate> trajectory;
+  while (const auto pose = table.next()) trajectory.push_back(*pose);
+  return trajectory;
 }
 
 }  // namespace orchard::io

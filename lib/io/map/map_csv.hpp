@@ -22,9 +22,6 @@ bool is_map(const std::string& path);
 /// FileError naming file, line and column of the first error, including a repeated id.
 std::vector<mapping::Landmark> read_map_csv(const std::string& path);
 
-/// Parses text instead; `name` replaces the path in messages.
-std::vector<mapping::Landmark> parse_map_csv(std::string_view text, const std::string& name);
-
 /// trajectory.csv as text: `utime_us,x_m,y_m,yaw_rad` (T_map_base over time), with fixed number
 /// formats.
 std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory);
@@ -42,7 +39,5 @@ void write_trajectory_csv(const std::string& path,
 /// Reads a trajectory.csv; seq counts from 0, yaw is wrapped into (-pi, pi]. Throws FileError
 /// naming file, line and column, also when time does not increase.
 std::vector<pose::PoseEstimate> read_trajectory_csv(const std::string& path);
-std::vector<pose::PoseEstimate> parse_trajectory_csv(std::string_view text,
-                                                     const std::string& name);
 
 }  // namespace orchard::io

@@ -13,7 +13,6 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,9 +32,9 @@
 #include "geometry/angles.hpp"
 #include "io/confined.hpp"
 #include "io/file_error.hpp"
+#include "io/gz_file.hpp"
 #include "io/recording/jpeg_file.hpp"
 #include "io/sane_limits.hpp"
-#include "io/unpacking_budget.hpp"
 
 namespace orchard::io {
 namespace {
@@ -49,25 +48,10 @@ std::uint64_t checked_size(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) {
     throw FileError(path + " is not a file; give an MRPT rawlog");
   }
-  const gzFile file = ::gzopen(path.c_str(), "rb");
-  if (file == nullptr) throw FileError(path + " cannot be opened; give a readable rawlog");
-  std::vector<char> buffer(std::size_t{1} << 18);
-  std::uint64_t size = 0;
-  int count = 0;
-  while ((count = ::gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0) {
-    size += static_cast<std::uint64_t>(count);
-    if (!is_plausibly_packed(static_cast<std::uint64_t>(::gzoffset(file)), size)) {
-      ::gzclose(file);
-      throw FileError(path + ": unpacks to over " + std::to_string(size >> 20) +
-                      " MB: no recording packs so well; it is made to exhaust who reads it");
-    }
-  }
-  int code = Z_OK;
-  ::gzerror(file, &code);
-  ::gzclose(file);
-  if (count < 0 || code == Z_BUF_ERROR) {
-    throw FileError(path + ": damaged or truncated (decompression failed); copy it again");
-  }
+  GzFile file(path, "rawlog");
+  std::string buffer;
+  while (file.read(buffer)) buffer.clear();
+  const std::uint64_t size = file.num_read_bytes();
   if (size == 0) throw FileError(path + " is empty; give an MRPT rawlog");
   return size;
 }

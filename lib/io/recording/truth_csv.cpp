@@ -18,7 +18,28 @@ namespace {
 using detection::Label;
 using simulation::TruthObject;
 
-std::vector<TruthObject> read_truth(CsvReader csv) {
+std::optional<std::size_t> find_column(const CsvReader& csv, const char* name) {
+  const auto& columns = csv.columns();
+  const auto found = std::find(columns.begin(), columns.end(), name);
+  if (found == columns.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+void write_spatial_poses(const std::string& path, const std::vector<simulation::TruePose>& poses) {
+  std::string text = "utime_us,x_m,y_m,yaw_rad,z_m,roll_rad,pitch_rad\n";
+  for (const simulation::TruePose& pose : poses) {
+    text += std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
+            fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "," +
+            fixed_text(pose.z_m, 4) + "," + fixed_text(pose.roll_rad, 5) + "," +
+            fixed_text(pose.pitch_rad, 5) + "\n";
+  }
+  write_file_atomically(path, text);
+}
+
+}  // namespace
+
+std::vector<TruthObject> read_truth_csv(const std::string& path) {
+  CsvReader csv = CsvReader::open(path);
   std::vector<std::string> columns{"class", "x_m", "y_m", "width_m"};
   const bool has_heights = csv.columns().size() > columns.size();
   if (has_heights) columns.push_back("z_m");
@@ -44,58 +65,6 @@ std::vector<TruthObject> read_truth(CsvReader csv) {
     truth.push_back(object);
   }
   return truth;
-}
-
-std::optional<std::size_t> find_column(const CsvReader& csv, const char* name) {
-  const auto& columns = csv.columns();
-  const auto found = std::find(columns.begin(), columns.end(), name);
-  if (found == columns.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - columns.begin());
-}
-
-evaluation::Track read_track(CsvReader csv, const std::string& name) {
-  const auto utime = find_column(csv, "utime_us");
-  const auto x = find_column(csv, "x_m"), y = find_column(csv, "y_m");
-  const auto yaw = find_column(csv, "yaw_rad");
-  if (!utime || !x || !y) {
-    throw FileError(name +
-                    ":1: a track needs the columns utime_us, x_m and y_m (optionally yaw_rad), "
-                    "like trajectory.csv and poses.csv");
-  }
-  evaluation::Track track;
-  track.has_yaw = yaw.has_value();
-  while (csv.next()) {
-    evaluation::TrackPose pose;
-    pose.utime = csv.later_utime(*utime, track.poses.empty() ? -1 : track.poses.back().utime);
-    pose.x_m = csv.number_in(*x, -kMaxCoordinate_m, kMaxCoordinate_m);
-    pose.y_m = csv.number_in(*y, -kMaxCoordinate_m, kMaxCoordinate_m);
-    if (yaw)
-      pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYaw_rad, kMaxYaw_rad));
-    track.poses.push_back(pose);
-  }
-  if (track.poses.empty()) throw FileError(name + ": has no poses");
-  return track;
-}
-
-void write_spatial_poses(const std::string& path, const std::vector<simulation::TruePose>& poses) {
-  std::string text = "utime_us,x_m,y_m,yaw_rad,z_m,roll_rad,pitch_rad\n";
-  for (const simulation::TruePose& pose : poses) {
-    text += std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
-            fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "," +
-            fixed_text(pose.z_m, 4) + "," + fixed_text(pose.roll_rad, 5) + "," +
-            fixed_text(pose.pitch_rad, 5) + "\n";
-  }
-  write_file_atomically(path, text);
-}
-
-}  // namespace
-
-std::vector<TruthObject> read_truth_csv(const std::string& path) {
-  return read_truth(CsvReader::open(path));
-}
-
-std::vector<TruthObject> parse_truth_csv(std::string_view text, const std::string& name) {
-  return read_truth(CsvReader::from_text(text, name));
 }
 
 void write_truth_csv(const std::string& path, const std::vector<TruthObject>& truth,
@@ -127,7 +96,28 @@ void write_poses_csv(const std::string& path, const std::vector<simulation::True
 }
 
 evaluation::Track read_track_csv(const std::string& path) {
-  return read_track(CsvReader::open(path), path);
+  CsvReader csv = CsvReader::open(path);
+  const auto utime = find_column(csv, "utime_us");
+  const auto x = find_column(csv, "x_m"), y = find_column(csv, "y_m");
+  const auto yaw = find_column(csv, "yaw_rad");
+  if (!utime || !x || !y) {
+    throw FileError(path +
+                    ":1: a track needs the columns utime_us, x_m and y_m (optionally yaw_rad), "
+                    "like trajectory.csv and poses.csv");
+  }
+  evaluation::Track track;
+  track.has_yaw = yaw.has_value();
+  while (csv.next()) {
+    evaluation::TrackPose pose;
+    pose.utime = csv.later_utime(*utime, track.poses.empty() ? -1 : track.poses.back().utime);
+    pose.x_m = csv.number_in(*x, -kMaxCoordinate_m, kMaxCoordinate_m);
+    pose.y_m = csv.number_in(*y, -kMaxCoordinate_m, kMaxCoordinate_m);
+    if (yaw)
+      pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYaw_rad, kMaxYaw_rad));
+    track.poses.push_back(pose);
+  }
+  if (track.poses.empty()) throw FileError(path + ": has no poses");
+  return track;
 }
 
 }  // namespace orchard::io

@@ -18,10 +18,6 @@ enum class Heights { kNone, kWritten };
 /// ... and B1, B2 ... in the file's order. Throws FileError naming file, line and column.
 std::vector<simulation::TruthObject> read_truth_csv(const std::string& path);
 
-/// Parses text instead; `name` replaces the path in messages.
-std::vector<simulation::TruthObject> parse_truth_csv(std::string_view text,
-                                                     const std::string& name);
-
 /// Writes the same format atomically. Throws FileError.
 void write_truth_csv(const std::string& path, const std::vector<simulation::TruthObject>& truth,
                      Heights heights = Heights::kNone);

@@ -191,8 +191,8 @@ TEST_F(CliTest, ALogOfLibbotsTypesMakesTheSameMap) {
   const Result mapped =
       orchard({"map", path("imported.lcm"), "--config", path("rig.yaml"), "--out", path("b")});
   ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
-  const auto expected = io::parse_map_csv(read_file(path("a/map.csv")), "a/map.csv");
-  const auto found = io::parse_map_csv(read_file(path("b/map.csv")), "b/map.csv");
+  const auto expected = io::read_map_csv(path("a/map.csv"));
+  const auto found = io::read_map_csv(path("b/map.csv"));
   ASSERT_GT(expected.size(), 5u);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {

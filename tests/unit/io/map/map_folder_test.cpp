@@ -95,21 +95,22 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
   write_bytes(folder / "map.csv", text);
   EXPECT_EQ(map_csv(read_map_csv(folder / "map.csv")), text);
   // the maps of earlier releases have no width_sd_m
-  const auto old = parse_map_csv(
-      "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n"
-      "7,tree,1,2,5,0.9,0.99,0.01,0.01,0.09,3,4\n",
-      "old.csv");
+  const auto old = read_map_csv(
+      folder.file("old.csv",
+                  "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n"
+                  "7,tree,1,2,5,0.9,0.99,0.01,0.01,0.09,3,4\n"));
   EXPECT_EQ(old.at(0).position, 4);
   EXPECT_EQ(old.at(0).width_sd_m, 0.0);
   // a hedge
   landmarks[0].length_m = 12.5;
   landmarks[0].direction_rad = -0.5;
-  const auto with_hedge = parse_map_csv(map_csv(landmarks), "map.csv");
+  const auto with_hedge = read_map_csv(folder.file("hedge.csv", map_csv(landmarks)));
   EXPECT_DOUBLE_EQ(with_hedge[0].length_m, 12.5);
   EXPECT_NEAR(with_hedge[0].direction_rad, -0.5, 1e-4);
   EXPECT_EQ(with_hedge[1].length_m, 0.0);
-  EXPECT_THROW(parse_map_csv(text + text.substr(text.find('\n') + 1), "twice"), FileError);
-  EXPECT_THROW(parse_map_csv("id,x\n1,2\n", "map.csv"), FileError);
+  EXPECT_THROW(read_map_csv(folder.file("twice.csv", text + text.substr(text.find('\n') + 1))),
+               FileError);
+  EXPECT_THROW(read_map_csv(folder.file("map.csv", "id,x\n1,2\n")), FileError);
 }
 
 /// A GeoPackage as GDAL reads it, which has not written it.
@@ -222,7 +223,8 @@ TEST(TruthCsv, RoundTrip) {
   EXPECT_EQ(again[0].name, "T1");
   EXPECT_EQ(again[1].label, Label::kObject);
   EXPECT_EQ(again[0].z_m, 0.0);
-  EXPECT_THROW(parse_truth_csv("class,x_m,y_m,width_m\nunseen,0,0,0\n", "t"), FileError);
+  EXPECT_THROW(read_truth_csv(folder.file("t.csv", "class,x_m,y_m,width_m\nunseen,0,0,0\n")),
+               FileError);
 }
 
 TEST(TruthCsv, HasHeightsWhereTheGroundIsNotLevel) {
@@ -231,7 +233,8 @@ TEST(TruthCsv, HasHeightsWhereTheGroundIsNotLevel) {
   truth[0].z_m = -1.5;
   write_truth_csv(folder / "truth.csv", truth, Heights::kWritten);
   EXPECT_EQ(read_truth_csv(folder / "truth.csv").at(0).z_m, -1.5);
-  EXPECT_THROW(parse_truth_csv("class,x_m,y_m,width_m,y_m\ntree,0,0,0,0\n", "t"), FileError);
+  EXPECT_THROW(read_truth_csv(folder.file("t.csv", "class,x_m,y_m,width_m,y_m\ntree,0,0,0,0\n")),
+               FileError);
 
   const std::vector<simulation::TruePose> poses{{1000000, 1.0, 2.0, 0.5, 0.25, -0.1, 0.2}};
   write_poses_csv(folder / "poses.csv", poses, Heights::kWritten);

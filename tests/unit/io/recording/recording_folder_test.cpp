@@ -161,8 +161,9 @@ TEST(ObservationCsv, ReadsWhatItWrites) {
 }
 
 TEST(ObservationCsv, RefusesWhatCannotBeAndSaysWhere) {
+  const TestFolder folder;
   const std::string good = "100,0,tree,1,2,0.1,3,0.5,4,0.25,1\n";
-  EXPECT_EQ(parse_observation_csv(kHeader + good, "a").size(), 1u);
+  EXPECT_EQ(read_observation_csv(folder.file("a.csv", kHeader + good)).size(), 1u);
   const struct {
     std::string row, message;
   } cases[] = {
@@ -181,14 +182,14 @@ TEST(ObservationCsv, RefusesWhatCannotBeAndSaysWhere) {
   };
   for (const auto& c : cases) {
     try {
-      parse_observation_csv(kHeader + good + c.row, "a.csv");
+      read_observation_csv(folder.file("a.csv", kHeader + good + c.row));
       ADD_FAILURE() << c.row;
     } catch (const FileError& error) {
       EXPECT_THAT(error.what(), HasSubstr(c.message)) << c.row;
       EXPECT_THAT(error.what(), HasSubstr("a.csv:3")) << c.row;
     }
   }
-  EXPECT_THROW(parse_observation_csv("utime_us,object\n1,2\n", "a.csv"), FileError);
+  EXPECT_THROW(read_observation_csv(folder.file("a.csv", "utime_us,object\n1,2\n")), FileError);
   EXPECT_THROW(read_observation_csv("/no/such/file.csv"), FileError);
 }
 

@@ -45,54 +45,49 @@ std::string with_own_ids(const std::string& svg, std::size_t number) {
   return result + svg.substr(done);
 }
 
-struct HtmlWriter {
-  std::string& html;
-  std::size_t num_drawings = 0;
-
-  void operator()(const DocumentHeading& it) { html += "<h2>" + markup_text(it.text) + "</h2>\n"; }
-  void operator()(const DocumentText& it) { html += "<p>" + markup_text(it.text) + "</p>\n"; }
-  void operator()(const DocumentTable& it) {
-    html += "<table>\n<thead><tr>";
-    for (std::size_t c = 0; c < it.head.size(); ++c) {
-      html += std::string("<th") + (is_text(it, c) ? " class=\"t\"" : "") + " scope=\"col\">" +
-              markup_text(it.head[c]) + "</th>";
-    }
-    html += "</tr></thead>\n<tbody>\n";
-    for (std::size_t r = 0; r < it.rows.size(); ++r) {
-      html += it.has_sum && r + 1 == it.rows.size() ? "<tr class=\"sum\">" : "<tr>";
-      for (std::size_t c = 0; c < it.rows[r].size(); ++c) {
-        html += std::string("<td") + (is_text(it, c) ? " class=\"t\"" : "") + ">" +
-                markup_text(it.rows[r][c]) + "</td>";
-      }
-      html += "</tr>\n";
-    }
-    html += "</tbody>\n</table>\n";
-  }
-  void operator()(const DocumentFigure& it) {
-    Canvas canvas(FigureFormat::kSvg, it.width_px, it.height_px);
-    it.draw(canvas);
-    const std::string svg = canvas.finish();
-    const std::size_t begin = svg.find("<svg");
-    if (begin == std::string::npos) return;
-    html += "<figure>" + with_own_ids(svg.substr(begin), ++num_drawings) + "</figure>\n";
-  }
-};
-
 }  // namespace
 
-std::string document_html(const Document& document) {
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"" + markup_text(document.language) +
-      "\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" "
-      "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n<title>" +
-      markup_text(document.title) + "</title>\n<style>\n" + kStyle +
-      "</style>\n</head>\n<body>\n<main>\n<h1>" + markup_text(document.title) +
-      "</h1>\n<p class=\"subtitle\">" + markup_text(document.subtitle) + "</p>\n";
-  HtmlWriter writer{html};
-  for (const DocumentPart& part : document.parts) std::visit(writer, part);
-  return html + "</main>\n</body>\n</html>\n";
+Document::Document(const std::string& language, const std::string& title,
+                   const std::string& subtitle)
+    : html_("<!DOCTYPE html>\n<html lang=\"" + markup_text(language) +
+            "\">\n<head>\n<meta charset=\"utf-8\">\n"
+            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+            "<meta http-equiv=\"Content-Security-Policy\" "
+            "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n<title>" +
+            markup_text(title) + "</title>\n<style>\n" + kStyle +
+            "</style>\n</head>\n<body>\n<main>\n<h1>" + markup_text(title) +
+            "</h1>\n<p class=\"subtitle\">" + markup_text(subtitle) + "</p>\n") {}
+
+void Document::add_heading(const std::string& text) {
+  html_ += "<h2>" + markup_text(text) + "</h2>\n";
 }
+
+void Document::add_text(const std::string& text) { html_ += "<p>" + markup_text(text) + "</p>\n"; }
+
+void Document::add_table(const DocumentTable& table) {
+  html_ += "<table>\n<thead><tr>";
+  for (std::size_t c = 0; c < table.head.size(); ++c) {
+    html_ += std::string("<th") + (is_text(table, c) ? " class=\"t\"" : "") + " scope=\"col\">" +
+             markup_text(table.head[c]) + "</th>";
+  }
+  html_ += "</tr></thead>\n<tbody>\n";
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    html_ += table.has_sum && r + 1 == table.rows.size() ? "<tr class=\"sum\">" : "<tr>";
+    for (std::size_t c = 0; c < table.rows[r].size(); ++c) {
+      html_ += std::string("<td") + (is_text(table, c) ? " class=\"t\"" : "") + ">" +
+               markup_text(table.rows[r][c]) + "</td>";
+    }
+    html_ += "</tr>\n";
+  }
+  html_ += "</tbody>\n</table>\n";
+}
+
+void Document::add_figure(const std::string& svg) {
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) return;
+  html_ += "<figure>" + with_own_ids(svg.substr(begin), ++num_figures_) + "</figure>\n";
+}
+
+std::string Document::html() const { return html_ + "</main>\n</body>\n</html>\n"; }
 
 }  // namespace orchard::io

@@ -1,22 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "io/figure/canvas.hpp"
-
 namespace orchard::io {
-
-struct DocumentHeading {
-  std::string text;
-};
-
-struct DocumentText {
-  std::string text;
-};
 
 /// Cells are numbers, except in the first column and in `text_columns`.
 struct DocumentTable {
@@ -26,25 +14,24 @@ struct DocumentTable {
   bool has_sum = false;  ///< the last row is the sum of the others
 };
 
-/// A drawing of that size, reduced to the page width if it is wider.
-struct DocumentFigure {
-  int width_px = 0;
-  int height_px = 0;
-  std::function<void(Canvas&)> draw;
+/// A self-contained HTML page without script. Printed by a browser it fills A4 pages: tables
+/// continue on the next page under a repeated head. All texts are escaped.
+class Document {
+ public:
+  /// `language`: its code in HTML.
+  Document(const std::string& language, const std::string& title, const std::string& subtitle);
+
+  void add_heading(const std::string& text);
+  void add_text(const std::string& text);
+  void add_table(const DocumentTable& table);
+  /// Adds an SVG picture, reduced to the page width if it is wider.
+  void add_figure(const std::string& svg);
+
+  std::string html() const;
+
+ private:
+  std::string html_;
+  std::size_t num_figures_ = 0;
 };
-
-using DocumentPart = std::variant<DocumentHeading, DocumentText, DocumentTable, DocumentFigure>;
-
-/// A printable document.
-struct Document {
-  std::string language = "en";  ///< language code of HTML
-  std::string title;
-  std::string subtitle;
-  std::vector<DocumentPart> parts;
-};
-
-/// Returns a self-contained HTML page without script. Printed by a browser it fills A4 pages:
-/// tables continue on the next page under a repeated head. All texts are escaped.
-std::string document_html(const Document& document);
 
 }  // namespace orchard::io

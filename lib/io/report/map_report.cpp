@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,32 +40,32 @@ void draw_gap(PixelPoint centre, double radius_px, Canvas& canvas) {
   canvas.circle(centre, radius_px, kWhite, kGapColour);
 }
 
-/// All data for the drawing, copied because it is drawn later.
+/// What the block's picture shows.
 struct Block {
-  std::vector<Landmark> landmarks;
-  mapping::KindCounts kinds;
-  std::vector<mapping::InventoryGap> gaps;
-  std::map<std::int32_t, std::map<std::int32_t, Eigen::Vector2d>> rows;  ///< trees by position
-  double tree_px = kTreePx;
-  mapping::RowNames row_names;
-  std::string row_short;  ///< before the number of a row without name
+  const ReportContent& content;
+  const mapping::Inventory& inventory;
+  const ReportTexts& texts;
+
+  const std::vector<Landmark>& landmarks() const { return content.map.landmarks; }
+  const mapping::KindCounts& kinds() const { return inventory.kinds; }
+  double tree_px() const { return landmarks().size() > kMany ? kTreeManyPx : kTreePx; }
 };
 
-std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) {
+std::vector<LegendItem> legend_of(const Block& block) {
   std::vector<LegendItem> items;
-  items.push_back({texts.legend_tree, [](PixelPoint centre, Canvas& canvas) {
+  items.push_back({block.texts.legend_tree, [](PixelPoint centre, Canvas& canvas) {
                      canvas.circle(centre, kTreePx, kTreeColour, kTreeInk);
                    }});
-  if (block.kinds.has_rows() && block.kinds.of(mapping::Kind::kTrunk) > 0) {
-    items.push_back({texts.legend_other, [](PixelPoint centre, Canvas& canvas) {
+  if (block.kinds().has_rows() && block.kinds().of(mapping::Kind::kTrunk) > 0) {
+    items.push_back({block.texts.legend_other, [](PixelPoint centre, Canvas& canvas) {
                        canvas.circle(centre, kTreePx, kTrunkColour, kTrunkInk);
                      }});
   }
-  if (!block.gaps.empty()) {
-    items.push_back({texts.legend_gap,
+  if (!block.inventory.all.gaps.empty()) {
+    items.push_back({block.texts.legend_gap,
                      [](PixelPoint centre, Canvas& canvas) { draw_gap(centre, kGapPx, canvas); }});
   }
-  items.push_back({texts.legend_object, [](PixelPoint centre, Canvas& canvas) {
+  items.push_back({block.texts.legend_object, [](PixelPoint centre, Canvas& canvas) {
                      canvas.circle(centre, 2.5, kUnseenColour, kUnseenColour);
                    }});
   return items;
@@ -75,102 +74,85 @@ std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) 
 void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
   frame.draw(canvas);
   LabelPlacement placement(frame.box());
+  const double tree_px = block.tree_px();
   const auto take = [&placement](PixelPoint p, double radius_px) {
     placement.take({p.x - radius_px, p.y - radius_px, p.x + radius_px, p.y + radius_px});
   };
-  for (const Landmark& l : block.landmarks) {
+  for (const Landmark& l : block.landmarks()) {
     if (l.label == detection::Label::kTree) continue;
     const PixelPoint p = frame.at(l.x_m, l.y_m);
-    canvas.circle(p, 0.6 * block.tree_px, kUnseenColour, kUnseenColour);
-    take(p, block.tree_px);
+    canvas.circle(p, 0.6 * tree_px, kUnseenColour, kUnseenColour);
+    take(p, tree_px);
   }
-  for (const mapping::InventoryGap& gap : block.gaps) {
+  for (const mapping::InventoryGap& gap : block.inventory.all.gaps) {
     const PixelPoint p = frame.at(gap.p_map.x(), gap.p_map.y());
-    draw_gap(p, 0.9 * block.tree_px, canvas);
-    take(p, block.tree_px);
+    draw_gap(p, 0.9 * tree_px, canvas);
+    take(p, tree_px);
   }
   for (const bool is_counted : {false, true}) {  // trees on top
-    for (const Landmark& l : block.landmarks) {
+    for (const Landmark& l : block.landmarks()) {
       if (l.label != detection::Label::kTree) continue;
-      if (block.kinds.counts(mapping::kind_of(l)) != is_counted) continue;
+      if (block.kinds().counts(mapping::kind_of(l)) != is_counted) continue;
       const PixelPoint p = frame.at(l.x_m, l.y_m);
-      const double radius_px = std::max(block.tree_px, 0.5 * l.width_m * frame.px_per_m());
+      const double radius_px = std::max(tree_px, 0.5 * l.width_m * frame.px_per_m());
       canvas.circle(p, radius_px, is_counted ? kTreeColour : kTrunkColour,
                     is_counted ? kTreeInk : kTrunkInk);
       take(p, radius_px);
     }
   }
-  for (const auto& [number, trees] : block.rows) {
-    const Eigen::Vector2d& first = trees.begin()->second;
-    const Eigen::Vector2d& last = trees.rbegin()->second;
-    draw_row_name(frame.at(first.x(), first.y()), frame.at(last.x(), last.y()),
-                  mapping::row_name(block.row_names, number, block.row_short), kRowInk, placement,
-                  canvas);
-  }
+  std::map<std::int32_t, std::map<std::int32_t, PixelPoint>> rows;  // trees by position
   std::vector<NumberLabel> numbers;
-  for (const Landmark& l : block.landmarks) {
+  for (const Landmark& l : block.landmarks()) {
     if (l.label != detection::Label::kTree || l.position == 0) continue;
-    numbers.push_back(
-        {frame.at(l.x_m, l.y_m), block.tree_px, l.position, std::to_string(l.position), kTreeInk});
+    const PixelPoint p = frame.at(l.x_m, l.y_m);
+    if (l.row > 0 && l.position > 0) rows[l.row][l.position] = p;
+    numbers.push_back({p, tree_px, l.position, std::to_string(l.position), kTreeInk});
+  }
+  for (const auto& [number, trees] : rows) {
+    draw_row_name(trees.begin()->second, trees.rbegin()->second,
+                  mapping::row_name(block.content.row_names, number, block.texts.row_short),
+                  kRowInk, placement, canvas);
   }
   draw_numbers(numbers, kNumber_px, placement, canvas);
 }
 
 /// Draws the block for the grower: trees by trunk diameter, gaps, other objects and row numbers.
-DocumentFigure block_figure(const ReportContent& content, const mapping::Inventory& inventory,
-                            const ReportTexts& texts) {
-  const std::vector<Landmark>& landmarks = content.map.landmarks;
-  auto block = std::make_shared<Block>();
-  block->landmarks = landmarks;
-  block->kinds = inventory.kinds;
-  block->gaps = inventory.all.gaps;
-  block->tree_px = landmarks.size() > kMany ? kTreeManyPx : kTreePx;
-  block->row_names = content.row_names;
-  block->row_short = texts.row_short;
+std::string block_figure(const Block& block) {
   std::vector<Eigen::Vector2d> points;
-  for (const Landmark& l : landmarks) {
-    points.push_back({l.x_m, l.y_m});
-    if (l.label == detection::Label::kTree && l.row > 0 && l.position > 0) {
-      block->rows[l.row][l.position] = points.back();
-    }
-  }
+  for (const Landmark& l : block.landmarks()) points.push_back({l.x_m, l.y_m});
   MapHeading heading;
-  if (const auto& georeference = content.map.georeference) {
+  if (const auto& georeference = block.content.map.georeference) {
     heading.north_rad = 0.5 * geometry::kPi - georeference->yaw_rad;
   }
-  const auto frame = std::make_shared<const MapFrame>(points, legend_of(*block, texts), heading,
-                                                      PlotSizeMax{760.0, 860.0});
-  return {frame->width_px(), frame->height_px(),
-          [block, frame](Canvas& canvas) { draw_block(*block, *frame, canvas); }};
+  const MapFrame frame(points, legend_of(block), heading, PlotSizeMax{760.0, 860.0});
+  Canvas canvas(FigureFormat::kSvg, frame.width_px(), frame.height_px());
+  draw_block(block, frame, canvas);
+  return canvas.finish();
 }
 
 /// Draws a histogram of trunk diameters.
-DocumentFigure diameter_figure(const mapping::DiameterHistogram& histogram,
-                               const ReportTexts& texts) {
+std::string diameter_figure(const mapping::DiameterHistogram& histogram, const ReportTexts& texts) {
   constexpr int kWidth_px = 640, kHeight_px = 260;
-  const std::string x_name = texts.diameter_axis, y_name = texts.trees_axis;
-  return {kWidth_px, kHeight_px, [histogram, x_name, y_name](Canvas& canvas) {
-            const int most = *std::max_element(histogram.counts.begin(), histogram.counts.end());
-            const double class_cm = 100.0 * histogram.class_m;
-            const auto first =
-                static_cast<double>(std::find_if(histogram.counts.begin(), histogram.counts.end(),
-                                                 [](int count) { return count > 0; }) -
-                                    histogram.counts.begin());
-            const PixelBox box{PlotAxes::kLeftPx, 14.0, kWidth_px - PlotAxes::kRightPx,
-                               kHeight_px - PlotAxes::kBottomPx};
-            const PlotAxes axes(box,
-                                {class_cm * std::max(0.0, first - 1.0),
-                                 class_cm * (static_cast<double>(histogram.counts.size()) + 1.0)},
-                                {0.0, 1.1 * most});
-            axes.draw(x_name, y_name, canvas);
-            for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
-              if (histogram.counts[i] == 0) continue;
-              const PixelPoint low = axes.at(class_cm * static_cast<double>(i), 0.0);
-              const PixelPoint high =
-                  axes.at(class_cm * static_cast<double>(i + 1), histogram.counts[i]);
-              canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeInk, 0.5);
-            }
-          }};
+  const std::vector<int>& counts = histogram.counts;
+  const double class_cm = 100.0 * histogram.class_m;
+  const auto first = static_cast<double>(
+      std::find_if(counts.begin(), counts.end(), [](int count) { return count > 0; }) -
+      counts.begin());
+  const PixelBox box{PlotAxes::kLeftPx, 14.0, kWidth_px - PlotAxes::kRightPx,
+                     kHeight_px - PlotAxes::kBottomPx};
+  const PlotAxes axes(box,
+                      {class_cm * std::max(0.0, first - 1.0),
+                       class_cm * (static_cast<double>(counts.size()) + 1.0)},
+                      {0.0, 1.1 * *std::max_element(counts.begin(), counts.end())});
+  Canvas canvas(FigureFormat::kSvg, kWidth_px, kHeight_px);
+  axes.draw(texts.diameter_axis, texts.trees_axis, canvas);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    const PixelPoint low = axes.at(class_cm * static_cast<double>(i), 0.0);
+    const PixelPoint high = axes.at(class_cm * static_cast<double>(i + 1), counts[i]);
+    canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeInk, 0.5);
+  }
+  return canvas.finish();
 }
 
 constexpr std::size_t kGapsListedMax = 500;
@@ -194,13 +176,11 @@ class Writer {
       : content_(content),
         texts_(texts),
         inventory_(mapping::compute_inventory(content.map.landmarks)),
-        growth_(growth_of(content)) {}
+        growth_(growth_of(content)),
+        document_(texts.language, say(texts.title, {content.name}),
+                  say(texts.subtitle, {day_text(content.facts.day), content.facts.version})) {}
 
-  Document write() {
-    const std::string day = content_.facts.day.empty() ? texts_.unknown_day : content_.facts.day;
-    document_.language = texts_.language;
-    document_.title = say(texts_.title, {content_.name});
-    document_.subtitle = say(texts_.subtitle, {day, content_.facts.version});
+  std::string html() {
     write_counts();
     if (!inventory_.rows.empty()) write_rows();
     write_diameters();
@@ -210,7 +190,7 @@ class Writer {
     write_changes();
     write_not_seen();
     write_certainty();
-    return std::move(document_);
+    return document_.html();
   }
 
  private:
@@ -225,8 +205,11 @@ class Writer {
     return text;
   }
   static std::string number(int value) { return std::to_string(value); }
-  void heading(const char* text) { document_.parts.push_back(DocumentHeading{text}); }
-  void text(std::string text) { document_.parts.push_back(DocumentText{std::move(text)}); }
+  std::string day_text(const std::string& day) const {
+    return day.empty() ? texts_.unknown_day : day;
+  }
+  void heading(const char* text) { document_.add_heading(text); }
+  void text(const std::string& text) { document_.add_text(text); }
   std::string row_name(std::int32_t row) const {
     return mapping::row_name(content_.row_names, row);
   }
@@ -254,7 +237,7 @@ class Writer {
 
   void write_picture() {
     heading(texts_.picture);
-    document_.parts.push_back(block_figure(content_, inventory_, texts_));
+    document_.add_figure(block_figure({content_, inventory_, texts_}));
   }
 
   std::vector<std::string> row_cells(const std::string& name, const RowInventory& row,
@@ -297,7 +280,7 @@ class Writer {
       table.rows.push_back(row_cells(row_name(row.row), row, row.row));
     }
     table.rows.push_back(row_cells(texts_.total, inventory_.all, mapping::kGrowthOfAll));
-    document_.parts.push_back(std::move(table));
+    document_.add_table(table);
     write_late_rows();
   }
 
@@ -319,7 +302,7 @@ class Writer {
     const mapping::DiameterHistogram histogram =
         mapping::diameter_histogram(content_.map.landmarks);
     if (histogram.counts.empty()) return text(texts_.diameters_none);
-    document_.parts.push_back(diameter_figure(histogram, texts_));
+    document_.add_figure(diameter_figure(histogram, texts_));
   }
 
   void write_gaps() {
@@ -341,7 +324,7 @@ class Writer {
                                     fixed_text(place.longitude_deg, 7));
       }
     }
-    document_.parts.push_back(std::move(table));
+    document_.add_table(table);
     text(texts_.gap_note);
   }
 
@@ -360,21 +343,19 @@ class Writer {
     table.text_columns = {6};
     table.has_sum = true;
     PlannedRowCounts all;
-    const auto add = [&](const PlannedRowCounts& row, const std::string& name) {
-      table.rows.push_back({name, number(row.num_as_planned), number(row.num_out_of_place),
-                            number(row.num_missing), number(row.num_not_seen),
-                            number(row.num_extra), row.is_shifted ? texts_.shifted : ""});
+    all.name = texts_.total;
+    const auto add = [&](const PlannedRowCounts& row) {
+      std::vector<std::string>& cells = table.rows.emplace_back();
+      cells.push_back(row.name);
+      for (const int count : row.counts) cells.push_back(number(count));
+      cells.push_back(row.is_shifted ? texts_.shifted : "");
     };
     for (const PlannedRowCounts& row : content_.plan->rows) {
-      add(row, row.name);
-      all.num_as_planned += row.num_as_planned;
-      all.num_out_of_place += row.num_out_of_place;
-      all.num_missing += row.num_missing;
-      all.num_not_seen += row.num_not_seen;
-      all.num_extra += row.num_extra;
+      add(row);
+      for (std::size_t k = 0; k < row.counts.size(); ++k) all.counts[k] += row.counts[k];
     }
-    add(all, texts_.total);
-    document_.parts.push_back(std::move(table));
+    add(all);
+    document_.add_table(table);
   }
 
   /// Number of trees that count with this change, in the map that has them.
@@ -395,8 +376,7 @@ class Writer {
     if (!content_.earlier) return;
     heading(texts_.changes);
     const EarlierMap& earlier = *content_.earlier;
-    text(say(texts_.changes_since,
-             {earlier.name, earlier.day.empty() ? texts_.unknown_day : earlier.day}));
+    text(say(texts_.changes_since, {earlier.name, day_text(earlier.day)}));
     DocumentTable table;
     table.head = {texts_.column_change, texts_.column_count};
     const std::array<std::pair<Change, const char*>, mapping::kNumChanges> changes{
@@ -410,7 +390,7 @@ class Writer {
     for (const auto& [change, words] : changes) {
       table.rows.push_back({words, number(num_changed(change))});
     }
-    document_.parts.push_back(std::move(table));
+    document_.add_table(table);
     heading(texts_.growth);
     const mapping::Growth all = growth_in(growth_, mapping::kGrowthOfAll);
     text(say(texts_.growth_all, {number(1e3 * earlier.comparison.width_change_common_m, 1),
@@ -476,8 +456,8 @@ const ReportTexts* find_report_texts(const std::string& language) {
   return nullptr;
 }
 
-Document map_report(const ReportContent& content, const ReportTexts& texts) {
-  return Writer(content, texts).write();
+std::string map_report(const ReportContent& content, const ReportTexts& texts) {
+  return Writer(content, texts).html();
 }
 
 std::vector<std::vector<std::string>> report_table(const ReportContent& content) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "io/map/stored_map.hpp"
-#include "io/report/document.hpp"
 #include "io/report/report_texts.hpp"
 #include "mapping/compare/map_comparison.hpp"
 #include "mapping/inventory/inventory.hpp"
+#include "mapping/plan/plan_match.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::io {
@@ -25,8 +26,8 @@ struct EarlierMap {
 
 /// Counts of the map for a row of the grower's plan.
 struct PlannedRowCounts {
-  std::string name;  ///< name in the plan
-  int num_as_planned = 0, num_out_of_place = 0, num_missing = 0, num_not_seen = 0, num_extra = 0;
+  std::string name;                                       ///< name in the plan
+  std::array<int, mapping::kNumPlanDeviations> counts{};  ///< in the order of PlanDeviation
   bool is_shifted = false;  ///< the whole row stands elsewhere than planned
 };
 struct PlanCounts {
@@ -44,8 +45,8 @@ struct ReportContent {
   mapping::RowNames row_names{};
 };
 
-/// Builds the report from texts, tables and figures.
-Document map_report(const ReportContent& content, const ReportTexts& texts);
+/// The report as an HTML page: texts, tables and figures.
+std::string map_report(const ReportContent& content, const ReportTexts& texts);
 
 /// Table of the rows, column names first:
 /// `row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2` and, with an

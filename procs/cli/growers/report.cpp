@@ -31,20 +31,14 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
 }
 
 io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
-  using mapping::PlanDeviation;
   const io::StoredPlan plan = io::read_plan(options.plan_path, options.plan_file);
   const RegisteredPlan laid = register_plan(plan, map, options.plan_match);
   io::PlanCounts counts;
   counts.name = printable_text(fs::path(options.plan_path).filename().string());
   for (std::size_t i = 0; i < laid.match.rows.size(); ++i) {
     const mapping::PlanRowFinding& row = laid.match.rows[i];
-    const auto count = [&row](PlanDeviation deviation) {
-      return row.counts.at(static_cast<std::size_t>(deviation));
-    };
-    counts.rows.push_back({printable_text(laid.plan.plan.rows.at(i).name),
-                           count(PlanDeviation::kAsPlanned), count(PlanDeviation::kOutOfPlace),
-                           count(PlanDeviation::kMissing), count(PlanDeviation::kNotSeen),
-                           count(PlanDeviation::kExtra), row.is_shifted});
+    counts.rows.push_back(
+        {printable_text(laid.plan.plan.rows.at(i).name), row.counts, row.is_shifted});
   }
   return counts;
 }
@@ -95,9 +89,8 @@ int run_report(const ReportOptions& options) {
   const fs::path folder = options.out_folder.empty() ? map_folder_of(options.map_path) / "report"
                                                      : fs::path(options.out_folder);
   io::make_folder(folder.string(), "choose another folder with --out");
-  const io::Document document = io::map_report(content, *texts);
   io::FileReplacement files;
-  files.write((folder / "report.html").string(), io::document_html(document));
+  files.write((folder / "report.html").string(), io::map_report(content, *texts));
   const std::vector<std::vector<std::string>> table = io::report_table(content);
   files.write((folder / "report.csv").string(), io::report_csv(table));
   files.commit();

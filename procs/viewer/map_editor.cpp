@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file_error.hpp"
+#include "io/json_value.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/map_edit.hpp"
+#include "io/sane_limits.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
 #include "text/number_text.hpp"
 #include "view/map_data.hpp"
@@ -28,68 +30,24 @@ PageAnswer problem(int status, const std::string& words) {
   return {status, "application/json", "{\"problem\":" + view::json_text(words) + "}"};
 }
 
-/// Reads the fields of a page's request; a wrong type throws io::FileError.
-class Fields {
- public:
-  explicit Fields(const std::string& text) {
-    const auto shallow = [](int depth, Json::parse_event_t, Json&) {
-      return depth < kJsonDepthMax;
-    };
-    json_ = Json::parse(text, shallow, false);
-    if (!json_.is_object()) throw io::FileError("an edit must be a JSON object");
-  }
-  std::string text(const char* key) const {
-    const auto at = json_.find(key);
-    if (at == json_.end()) return {};
-    if (!at->is_string()) throw io::FileError(std::string(key) + " must be a text");
-    return at->get<std::string>();
-  }
-  double number(const char* key) const {
-    const auto at = json_.find(key);
-    if (at == json_.end()) return 0.0;
-    if (!at->is_number()) throw io::FileError(std::string(key) + " must be a number");
-    return at->get<double>();
-  }
-  int integer(const char* key) const {
-    const double value = number(key);
-    if (!(value >= 0.0 && value <= 1e9) || value != static_cast<int>(value)) {
-      throw io::FileError(std::string(key) + " must be a whole number");
-    }
-    return static_cast<int>(value);
-  }
-  std::vector<std::string> texts(const char* key) const {
-    std::vector<std::string> result;
-    for (const Json& json : list(key)) {
-      if (!json.is_string()) throw io::FileError(std::string(key) + " must be a list of texts");
-      result.push_back(json.get<std::string>());
-    }
-    return result;
-  }
-  std::vector<Eigen::Vector2d> places(const char* key) const {
-    std::vector<Eigen::Vector2d> result;
-    for (const Json& json : list(key)) {
-      if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number()) {
-        throw io::FileError(std::string(key) + " must be a list of [x, y]");
-      }
-      result.push_back({json[0].get<double>(), json[1].get<double>()});
-    }
-    return result;
-  }
+/// Parses a page's request, which must not be deep.
+Json parsed(const std::string& text) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < kJsonDepthMax; };
+  Json json = Json::parse(text, shallow, false);
+  if (!json.is_object()) throw io::FileError("an edit must be a JSON object");
+  return json;
+}
 
- private:
-  Json list(const char* key) const {
-    const auto at = json_.find(key);
-    if (at == json_.end()) return Json::array();
-    if (!at->is_array() || at->size() > 100)
-      throw io::FileError(std::string(key) + " must be a list");
-    return *at;
-  }
-  Json json_;
-};
-
-io::MapEdit edit_of(const Fields& fields) {
+io::MapEdit edit_of(const Json& json) {
+  constexpr double kLargest = 1e9;  // derived: more than any number of a row or correction
+  const io::JsonSource source{"the edit", "reload the page"};
+  const io::JsonValue fields(json, source);
+  const auto text = [&](const char* key) { return fields.has(key) ? fields.text(key) : ""; };
+  const auto whole = [&](const char* key) {
+    return fields.has(key) ? fields.whole(key, 0.0, kLargest) : 0;
+  };
   io::MapEdit edit;
-  const std::string what = fields.text("what");
+  const std::string what = text("what");
   bool is_known = false;
   for (const CorrectionKind kind : mapping::kAllCorrectionKinds) {
     if (what != mapping::correction_word(kind)) continue;
@@ -97,17 +55,17 @@ io::MapEdit edit_of(const Fields& fields) {
     is_known = true;
   }
   if (!is_known) throw io::FileError("field `what` must be delete, add, move, class ...");
-  edit.trees = fields.texts("trees");
-  edit.places_map = fields.places("places_m");
-  if (const std::string word = fields.text("class"); !word.empty()) edit.class_word = word;
-  edit.width_m = fields.number("width_m");
-  edit.row = fields.text("row");
-  edit.name = fields.text("name");
-  edit.position = fields.integer("position");
-  edit.of = fields.integer("of");
-  edit.who = fields.text("who");
+  if (fields.has("trees")) edit.trees = fields.texts("trees");
+  if (fields.has("places_m")) edit.places_map = fields.places("places_m");
+  if (const std::string word = text("class"); !word.empty()) edit.class_word = word;
+  if (fields.has("width_m")) edit.width_m = fields.number("width_m", 0.0, io::kMaxWidth_m);
+  edit.row = text("row");
+  edit.name = text("name");
+  edit.position = whole("position");
+  edit.of = whole("of");
+  edit.who = text("who");
   if (edit.who.empty()) edit.who = "unnamed";
-  edit.note = fields.text("note");
+  edit.note = text("note");
   return edit;
 }
 
@@ -117,7 +75,7 @@ PageAnswer MapEditor::edit(const std::string& json, const io::StoredMap& mapped,
                            io::CorrectedMapFolder& after) {
   io::MapEdit wanted;
   try {
-    wanted = edit_of(Fields(json));
+    wanted = edit_of(parsed(json));
   } catch (const io::FileError& error) {
     return problem(400, error.what());
   }

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -18,6 +17,7 @@
 #include "detection/detection.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/json_value.hpp"
 #include "io/map/rounded.hpp"
 #include "io/sane_limits.hpp"
 #include "text/encoded_text.hpp"
@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLineMax_bytes = 65536;
 
-constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max() - 1;
+constexpr double kMaxInt = std::numeric_limits<std::int32_t>::max() - 1;
 
 double metres(double value) { return rounded(value, 1e4); }
 
@@ -51,98 +51,42 @@ Json target_json(const CorrectionTarget& target) {
 /// The fields of one line, with type checks.
 class Line {
  public:
-  Line(std::string_view text, std::string place) : place_(std::move(place)) {
-    json_ = Json::parse(text, nullptr, false);
+  Line(std::string_view text, const std::string& place)
+      : source_{place, "correct or remove the line"}, json_(Json::parse(text, nullptr, false)) {
     if (!json_.is_object()) fail("is not a JSON object");
   }
 
-  [[noreturn]] void fail(const std::string& why) const {
-    throw FileError(place_ + ": " + why + "; correct or remove the line");
-  }
+  [[noreturn]] void fail(const std::string& why) const { value_.fail(why); }
 
-  std::int64_t integer(const Json& json, const char* key, std::int64_t lo) const {
-    if (!json.contains(key) || !json[key].is_number_integer()) {
-      fail(std::string(key) + " must be a whole number");
-    }
-    const auto value = json[key].get<std::int64_t>();
-    if (value < lo || value > kMaxInt) fail(std::string(key) + " is out of range");
-    return value;
-  }
   std::int32_t integer(const char* key, std::int64_t lo) {
-    used_.push_back(key);
-    return static_cast<std::int32_t>(integer(json_, key, lo));
+    return used(key).whole(key, static_cast<double>(lo), kMaxInt);
   }
   std::string text(const char* key) {
-    used_.push_back(key);
-    if (!json_.contains(key) || !json_[key].is_string()) fail(std::string(key) + " must be a text");
-    auto value = json_[key].get<std::string>();
-    if (!is_correction_text(value)) {
+    std::string text = used(key).text(key);
+    if (!is_correction_text(text)) {
       fail(std::string(key) + " is too long, or contains control characters");
     }
-    return value;
+    return text;
   }
-  bool has(const char* key) const { return json_.contains(key); }
+  bool has(const char* key) const { return value_.has(key); }
 
-  double number(const Json& json, double lo, double hi, const char* key) const {
-    if (!json.is_number()) fail(std::string(key) + " must be a number");
-    const double value = json.get<double>();
-    if (!std::isfinite(value) || value < lo || value > hi) {
-      fail(std::string(key) + " is out of range");
-    }
-    return value;
-  }
-  double width_m() {
-    used_.push_back("width_m");
-    return has("width_m") ? number(json_["width_m"], 0.0, kMaxWidth_m, "width_m") : 0.0;
-  }
-  Label label(const Json& json) const {
-    const std::string word =
-        json.contains("class") && json["class"].is_string() ? json["class"].get<std::string>() : "";
-    for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
-      if (word == label_text(label)) return label;
-    }
-    fail("class must be tree, object or unseen");
-  }
-  Label label() {
-    used_.push_back("class");
-    return label(json_);
-  }
+  double width_m() { return width_m(used("width_m")); }
+  Label label() { return label(used("class")); }
   std::vector<CorrectionTarget> targets(std::size_t least, std::size_t most) {
-    used_.push_back("landmarks");
-    if (!has("landmarks") || !json_["landmarks"].is_array()) fail("landmarks must be a list");
-    const Json& list = json_["landmarks"];
-    if (list.size() < least || list.size() > most)
-      fail("landmarks has the wrong number of landmarks for this correction");
-    std::vector<CorrectionTarget> result;
-    for (const Json& json : list) {
-      if (!json.is_object()) fail("landmarks must be a list of objects");
-      for (const char* key : {"x_m", "y_m"}) {
-        if (!json.contains(key)) fail(std::string("a landmark has no ") + key);
-      }
-      CorrectionTarget target;
-      target.id = static_cast<std::int32_t>(integer(json, "id", 0));
-      target.p_map = {number(json["x_m"], -kMaxCoordinate_m, kMaxCoordinate_m, "x_m"),
-                      number(json["y_m"], -kMaxCoordinate_m, kMaxCoordinate_m, "y_m")};
-      target.label = label(json);
-      if (json.contains("width_m")) {
-        target.width_m = number(json["width_m"], 0.0, kMaxWidth_m, "width_m");
-      }
-      result.push_back(target);
+    std::vector<CorrectionTarget> targets;
+    for (const JsonValue& value : used("landmarks").list("landmarks")) {
+      targets.push_back(
+          {value.whole("id", 0, kMaxInt), value.place("x_m", "y_m"), label(value), width_m(value)});
     }
-    return result;
+    if (targets.size() < least || targets.size() > most) {
+      fail("landmarks has the wrong number of landmarks for this correction");
+    }
+    return targets;
   }
   std::vector<Vector2d> places(std::size_t count) {
-    used_.push_back("places_m");
-    if (!has("places_m") || !json_["places_m"].is_array() || json_["places_m"].size() != count) {
-      fail("places_m must be " + std::to_string(count) + " [x, y]");
-    }
-    std::vector<Vector2d> result;
-    for (const Json& json : json_["places_m"]) {
-      if (!json.is_array() || json.size() != 2) fail("places_m must be a list of [x, y]");
-      result.push_back({number(json[0], -kMaxCoordinate_m, kMaxCoordinate_m, "places_m"),
-                        number(json[1], -kMaxCoordinate_m, kMaxCoordinate_m, "places_m")});
-    }
-    return result;
+    std::vector<Vector2d> places = used("places_m").places("places_m");
+    if (places.size() != count) fail("places_m must be " + std::to_string(count) + " [x, y]");
+    return places;
   }
   CorrectionKind kind() {
     const std::string word = text("what");
@@ -159,6 +103,7 @@ class Line {
     if (end == nullptr || *end != '\0') fail("`when` must be a time like 2026-05-04T08:00:00Z");
     return std::int64_t{1000000} * static_cast<std::int64_t>(::timegm(&utc));
   }
+
   /// An unknown field is from a later release or a mistake, so it is an error.
   void require_all_used() const {
     for (const auto& [key, value] : json_.items()) {
@@ -169,8 +114,24 @@ class Line {
   }
 
  private:
-  std::string place_;
+  static double width_m(const JsonValue& value) {
+    return value.has("width_m") ? value.number("width_m", 0.0, kMaxWidth_m) : 0.0;
+  }
+  static Label label(const JsonValue& value) {
+    const std::string word = value.text("class");
+    for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
+      if (word == label_text(label)) return label;
+    }
+    value.fail("class must be tree, object or unseen");
+  }
+  const JsonValue& used(const char* key) {
+    used_.push_back(key);
+    return value_;
+  }
+
+  JsonSource source_;
   Json json_;
+  JsonValue value_{json_, source_};
   std::vector<std::string> used_;
 };
 

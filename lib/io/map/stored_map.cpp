@@ -13,6 +13,7 @@
 #include "geometry/statistics.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/json_value.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/plan_names.hpp"
 #include "io/map/rounded.hpp"
@@ -28,64 +29,13 @@ using mapping::Landmark;
 
 Json place(const Eigen::Vector2d& p) { return {millimetres(p.x()), millimetres(p.y())}; }
 
-/// A value in a JSON file of a map; what is not as this program writes it is a FileError.
-class Value {
- public:
-  Value(const Json& json, const std::string& path) : json_(&json), path_(&path) {}
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw FileError(*path_ + ": " + what + "; map the log again");
-  }
-  bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
-  Value at(const char* key) const {
-    if (!has(key)) fail(std::string(key) + " is missing");
-    return {(*json_)[key], *path_};
-  }
-  std::vector<Value> list(const char* key) const {
-    const Value found = at(key);
-    if (!found.json_->is_array()) fail(std::string(key) + " must be a list");
-    return found.elements();
-  }
-  std::string text(const char* key) const {
-    const Value found = at(key);
-    return found.json_->is_string() ? found.json_->get<std::string>() : "";
-  }
-  double number(const char* key, double lo, double hi) const { return at(key).in(key, lo, hi); }
-  std::int32_t whole(const char* key, double lo) const {
-    const double value = number(key, lo, INT32_MAX);
-    if (value != std::floor(value)) fail(std::string(key) + " must be a whole number");
-    return static_cast<std::int32_t>(value);
-  }
-  Eigen::Vector2d place() const {
-    if (!json_->is_array() || json_->size() != 2) fail("a place must be two numbers");
-    const std::vector<Value> xy = elements();
-    return {xy[0].in("a place", -kMaxCoordinate_m, kMaxCoordinate_m),
-            xy[1].in("a place", -kMaxCoordinate_m, kMaxCoordinate_m)};
-  }
-
- private:
-  double in(const std::string& name, double lo, double hi) const {
-    const double value = json_->is_number() ? json_->get<double>() : NAN;
-    if (!(value >= lo && value <= hi)) {
-      fail(name + " must be a number in [" + shortest_text(lo) + ", " + shortest_text(hi) + "]");
-    }
-    return value;
-  }
-  std::vector<Value> elements() const {
-    std::vector<Value> values;
-    for (const Json& json : *json_) values.emplace_back(json, *path_);
-    return values;
-  }
-
-  const Json* json_;
-  const std::string* path_;
-};
+constexpr const char* kAdvice = "map the log again";
 
 /// Parses a file of a map, an object.
 Json parsed(const std::string& path) {
   constexpr std::size_t kBytesMax = std::size_t{64} << 20;
-  Json json = Json::parse(read_file(path, kBytesMax, "map the log again"), nullptr, false);
-  if (!json.is_object()) throw FileError(path + " is not a JSON object; map the log again");
+  Json json = Json::parse(read_file(path, kBytesMax, kAdvice), nullptr, false);
+  if (!json.is_object()) throw FileError(path + " is not a JSON object; " + kAdvice);
   return json;
 }
 
@@ -137,10 +87,10 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
   }
 }
 
-void take_summary(const Value& json, StoredMap& map) {
+void take_summary(const JsonValue& json, StoredMap& map) {
   if (json.has("next_id")) map.next_id = std::max(map.next_id, json.whole("next_id", 1));
   if (json.has("view")) {
-    const Value view = json.at("view");
+    const JsonValue view = json.at("view");
     map.view.reach_m = view.number("reach_m", 0.1, 500.0);
     map.view.bearing_min_rad = view.number("bearing_min_rad", -7.0, 7.0);
     map.view.bearing_max_rad = view.number("bearing_max_rad", -7.0, 7.0);
@@ -152,7 +102,7 @@ void take_summary(const Value& json, StoredMap& map) {
     }
   }
   if (json.has("georeference")) {
-    const Value g = json.at("georeference");
+    const JsonValue g = json.at("georeference");
     geometry::Georeference& georeference = map.georeference.emplace();
     georeference.latitude_deg = g.number("latitude_deg", -90.0, 90.0);
     georeference.longitude_deg = g.number("longitude_deg", -360.0, 360.0);
@@ -166,7 +116,7 @@ void take_summary(const Value& json, StoredMap& map) {
 
 constexpr double kUtimeMax = 9e18;  // derived: fits into 64 bits
 
-void add_interval(const Value& interval, std::string_view fix_channel, SummaryFacts& facts) {
+void add_interval(const JsonValue& interval, std::string_view fix_channel, SummaryFacts& facts) {
   const double duration_s = 1e-6 * (interval.number("last_utime_us", -kUtimeMax, kUtimeMax) -
                                     interval.number("first_utime_us", -kUtimeMax, kUtimeMax));
   if (!(duration_s >= 0.0)) return;
@@ -184,14 +134,15 @@ void add_interval(const Value& interval, std::string_view fix_channel, SummaryFa
 /// graph_json() writes it.
 mapping::NavigationGraph read_graph_json(const std::string& path) {
   const Json json = parsed(path);
-  const Value file(json, path);
+  const JsonSource source{path, kAdvice};
+  const JsonValue file(json, source);
   mapping::NavigationGraph graph;
   std::set<std::int32_t> nodes;
-  for (const Value& node : file.list("nodes")) {
+  for (const JsonValue& node : file.list("nodes")) {
     graph.nodes.push_back({node.whole("id", 1), node.at("place").place()});
     if (!nodes.insert(graph.nodes.back().id).second) node.fail("a node's id occurs twice");
   }
-  for (const Value& entry : file.list("edges")) {
+  for (const JsonValue& entry : file.list("edges")) {
     mapping::NavigationEdge edge;
     edge.id = entry.whole("id", 1);
     const std::string kind = entry.text("kind");
@@ -205,7 +156,7 @@ mapping::NavigationGraph read_graph_json(const std::string& path) {
     if (is_aisle) edge.row_right = entry.whole("row_right", 0);
     edge.length_m = entry.number("length_m", 0.0, kMaxCoordinate_m);
     edge.width_m = entry.number("width_m", 0.0, kMaxCoordinate_m);
-    for (const Value& p : entry.list("line")) edge.line_map.push_back(p.place());
+    for (const JsonValue& p : entry.list("line")) edge.line_map.push_back(p.place());
     if (edge.line_map.size() < 2) entry.fail("a line needs two points");
     graph.edges.push_back(std::move(edge));
   }
@@ -264,7 +215,7 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
   }
   if (!is_folder) return map;
   if (const std::string path = (folder / "summary.json").string(); fs::exists(path)) {
-    take_summary({parsed(path), path}, map);
+    take_summary({parsed(path), {path, kAdvice}}, map);
   }
   if (fs::exists(folder / "graph.json"))
     map.graph = read_graph_json((folder / "graph.json").string());
@@ -293,7 +244,8 @@ SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_vi
   constexpr std::size_t kWarningsMax = 20, kWarningLengthMax = 400;  // derived: a page of them
   const std::string name = path.string();
   const Json json = parsed(name);
-  const Value summary(json, name);
+  const JsonSource source{name, kAdvice};
+  const JsonValue summary(json, source);
   if (summary.has("first_utime_us")) {
     facts.day = date_text(
         static_cast<std::int64_t>(summary.number("first_utime_us", -kUtimeMax, kUtimeMax)));
@@ -303,7 +255,7 @@ SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_vi
     facts.has_pictures = json["counts"].contains(picture_count);
   }
   if (summary.has("degraded")) {
-    for (const Value& interval : summary.list("degraded")) {
+    for (const JsonValue& interval : summary.list("degraded")) {
       add_interval(interval, fix_channel, facts);
     }
   }

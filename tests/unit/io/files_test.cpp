@@ -32,14 +32,10 @@ TEST(MakeFolder, MakesThoseAboveItAndLeavesOneThatIsThere) {
 TEST(MakeFolder, SaysWhichFolderWhyAndWhatToDoInstead) {
   const TestFolder folder;
   std::ofstream(folder / "file") << "not a folder";
-  try {
-    make_folder(folder / "file/below", "give another one with --out");
-    FAIL() << "a folder below a file";
-  } catch (const FileError& error) {
-    EXPECT_EQ(std::string(error.what()), folder /
-                                             "file/below: cannot be created as a folder (Not a "
-                                             "directory); give another one with --out");
-  }
+  EXPECT_EQ(refusal_of([&] { make_folder(folder / "file/below", "give another one with --out"); }),
+            folder /
+                "file/below: cannot be created as a folder (Not a directory); give another one "
+                "with --out");
   EXPECT_THROW(make_folder(folder / "file"), FileError);  // a file of that name is there
 }
 

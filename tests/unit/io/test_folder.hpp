@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "io/file_error.hpp"
+
 namespace orchard::io {
 
 /// An empty folder that goes away with the test.
@@ -37,6 +39,17 @@ class TestFolder {
  private:
   std::string path_;
 };
+
+/// The sentence with which a function refuses; empty if it does not.
+template <class Function>
+std::string refusal_of(const Function& function) {
+  try {
+    function();
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return {};
+}
 
 inline std::string read_bytes(const std::string& path) {
   std::ostringstream text;

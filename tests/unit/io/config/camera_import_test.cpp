@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/file_error.hpp"
+#include "unit/io/test_folder.hpp"
 
 namespace orchard::io {
 namespace {
@@ -36,20 +36,19 @@ std::string with(std::string text, const std::string& from, const std::string& t
   return text.replace(at, from.size(), to);
 }
 
+ImportedCamera camera_of(const std::string& text) {
+  const TestFolder folder;
+  return read_camera_file(folder.file("camera.file", text));
+}
+
 /// The sentence with which a text is refused.
-template <class Parse>
-std::string refusal(Parse parse, const std::string& text) {
-  try {
-    parse(text, "camera.file");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal(const std::string& text) {
+  return refusal_of([&] { camera_of(text); });
 }
 
 TEST(CameraImport, ReadsRosAndOpenCvAlike) {
   for (const std::string& text : {kRos, kOpenCv, with(kRos, "distortion_model: plumb_bob\n", "")}) {
-    const ImportedCamera camera = parse_camera_yaml(text, "camera.yaml");
+    const ImportedCamera camera = camera_of(text);
     EXPECT_EQ(camera.intrinsics.width_px, 640);
     EXPECT_EQ(camera.intrinsics.height_px, 480);
     EXPECT_EQ(camera.intrinsics.fc_px, (std::array<double, 2>{500.5, 501.5}));
@@ -57,15 +56,14 @@ TEST(CameraImport, ReadsRosAndOpenCvAlike) {
     EXPECT_EQ(camera.intrinsics.kc, (std::array<double, 5>{0.1, -0.2, 0.001, -0.002, 0.0}));
     EXPECT_EQ(camera.intrinsics.alpha_c, 0.0);
   }
-  EXPECT_EQ(parse_camera_yaml(kOpenCv, "x").kind, "an OpenCV camera YAML");
+  EXPECT_EQ(camera_of(kOpenCv).kind, "an OpenCV camera YAML");
 }
 
 TEST(CameraImport, TakesAPolynomialOnlyWhenItIsNone) {
   const std::string eight = with(with(kRos, "plumb_bob", "rational_polynomial"),
                                  "0.001, -0.002, 0.0]", "0.001, -0.002, 0.0, 0, 0, 0]");
-  EXPECT_EQ(parse_camera_yaml(eight, "x").intrinsics.kc[1], -0.2);
-  EXPECT_NE(refusal(parse_camera_yaml, with(eight, "0.0, 0, 0, 0]", "0.0, 0.1, 0, 0]"))
-                .find("more than the five"),
+  EXPECT_EQ(camera_of(eight).intrinsics.kc[1], -0.2);
+  EXPECT_NE(refusal(with(eight, "0.0, 0, 0, 0]", "0.0, 0.1, 0, 0]")).find("more than the five"),
             std::string::npos);
 }
 
@@ -84,13 +82,13 @@ TEST(CameraImport, RefusesYamlThatIsNoSuchCamera) {
            {"[0.1, -0.2, 0.001, -0.002, 0.0]", "[0.1]", "are 1 numbers"},
            {"camera_name: head_camera", "fisheye_model: 1", "fisheye"},
            {"camera_name: head_camera", "camera_name: [", "is not valid YAML"}}) {
-    const std::string sentence = refusal(parse_camera_yaml, with(kRos, from, to));
+    const std::string sentence = refusal(with(kRos, from, to));
     if (!words.empty()) {
       EXPECT_NE(sentence.find(words), std::string::npos) << to << ": " << sentence;
     }
   }
   for (const char* text : {"", "3", "[1, 2]", "%YAML:1.0", "%YAML:1.0\n---\n- 1\n"}) {
-    EXPECT_NE(refusal(parse_camera_yaml, text), "") << text;
+    EXPECT_NE(refusal(text), "") << text;
   }
 }
 

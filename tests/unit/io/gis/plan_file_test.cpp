@@ -109,20 +109,13 @@ std::string write_plan(const mapping::OrchardPlan& plan, const geometry::Georefe
 
 class PlanFile : public ::testing::Test {
  protected:
-  std::string written(const std::string& name, const std::string& text) const {
-    write_bytes(folder_ / name, text);
-    return folder_ / name;
-  }
   /// What refuses it.
   std::string refusal(const std::string& path, const PlanFileOptions& options = {}) const {
     try {
-      read_plan(path, options);
-    } catch (const FileError& error) {
-      return error.what();
+      return refusal_of([&] { read_plan(path, options); });
     } catch (const ConfigError& error) {
       return error.problems().front();
     }
-    return "";
   }
 
   TestFolder folder_;
@@ -173,10 +166,11 @@ TEST_F(PlanFile, IsTheSameFromEveryFormatAndSystem) {
 }
 
 TEST_F(PlanFile, GridLiesWhereItsYamlSays) {
-  const std::string path = written("grid.yaml",
-                                   "rows: 12\ntrees: 40\nrow_spacing_m: 4.5\ntree_spacing_m: 3\n"
-                                   "corner_deg: [-27.6, 151.9]\nbearing_deg: 30\nrows_to: right\n"
-                                   "first_row: 7\n");
+  const std::string path =
+      folder_.file("grid.yaml",
+                   "rows: 12\ntrees: 40\nrow_spacing_m: 4.5\ntree_spacing_m: 3\n"
+                   "corner_deg: [-27.6, 151.9]\nbearing_deg: 30\nrows_to: right\n"
+                   "first_row: 7\n");
   const StoredPlan plan = read_plan(path, {});
   ASSERT_EQ(plan.plan.rows.size(), 12u);
   EXPECT_EQ(plan.plan.rows[0].name, "7");
@@ -202,9 +196,9 @@ TEST_F(PlanFile, GridOfTwoCornersIsThatOfItsBearing) {
   double latitude = 0.0, longitude = 0.0;
   GeographicLib::Geodesic::WGS84().Direct(-27.6, 151.9, 30.0, 117.0, latitude, longitude);
   const std::string end = fmt::format("row_end_deg: [{:.9f}, {:.9f}]\n", latitude, longitude);
-  const StoredPlan by_end = read_plan(written("end.yaml", head + end), {});
+  const StoredPlan by_end = read_plan(folder_.file("end.yaml", head + end), {});
   const StoredPlan by_bearing =
-      read_plan(written("bearing.yaml", head + "tree_spacing_m: 3\nbearing_deg: 30\n"), {});
+      read_plan(folder_.file("bearing.yaml", head + "tree_spacing_m: 3\nbearing_deg: 30\n"), {});
   ASSERT_EQ(by_end.plan.num_trees(), 120u);
   const mapping::OrchardPlan same = plan_in_map(by_end, *by_bearing.georeference);
   for (std::size_t r = 0; r < 3; ++r) {
@@ -214,14 +208,15 @@ TEST_F(PlanFile, GridOfTwoCornersIsThatOfItsBearing) {
     }
   }
   const std::string near = "row_end_deg: [-27.6000001, 151.9]\n";
-  EXPECT_NE(refusal(written("near.yaml", head + near)).find("0.00 m between trees"),
+  EXPECT_NE(refusal(folder_.file("near.yaml", head + near)).find("0.00 m between trees"),
             std::string::npos);
   const std::string both = head + end + "bearing_deg: 30\n";
-  EXPECT_NE(refusal(written("both.yaml", both)).find("leave bearing_deg"), std::string::npos);
+  EXPECT_NE(refusal(folder_.file("both.yaml", both)).find("leave bearing_deg"), std::string::npos);
 }
 
 TEST_F(PlanFile, RowsMayBeLines) {
-  const std::string path = written("rows.geojson", R"({"type": "FeatureCollection", "features": [
+  const std::string path =
+      folder_.file("rows.geojson", R"({"type": "FeatureCollection", "features": [
     {"type": "Feature", "properties": {"name": "A"}, "geometry": {"type": "LineString",
      "coordinates": [[0.6, 41.6], [0.601, 41.6]]}},
     {"type": "Feature", "properties": {"name": "B"}, "geometry": {"type": "LineString",
@@ -239,7 +234,7 @@ TEST_F(PlanFile, RowsMayBeLines) {
 TEST_F(PlanFile, ReadsItsOwnGeoJsonBack) {
   const std::string path = write_plan(small_plan(), in_spain(), kPlanKinds[0], folder_ / "plan");
   const StoredPlan plan = read_plan(path, {});
-  const StoredPlan back = read_plan(written("back.geojson", plan_geojson(plan)), {});
+  const StoredPlan back = read_plan(folder_.file("back.geojson", plan_geojson(plan)), {});
   EXPECT_EQ(back.plan.num_trees(), 15u);
   EXPECT_EQ(plan_geojson(back), plan_geojson(plan));
 }
@@ -253,49 +248,45 @@ TEST_F(PlanFile, SaysWhatIsWrong) {
   };
   says(folder_ / "none.gpkg", "does not exist");
   says(folder_.path(), "is not a file");
-  says(written("text.csv", "row,tree,x,y\n1,1,0,zero\n"),
+  says(folder_.file("text.csv", "row,tree,x,y\n1,1,0,zero\n"),
        "feature 1: y = \"zero\" is not a number");
-  says(written("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "is not on the earth");
-  says(written("twice.csv", "row,tree,x,y\n1,1,0,0\n1,1,3,0\n"), "row 1 has two trees 1");
-  says(written("zone.csv", "row,tree,x,y\n1,1,391444,6946623\n1,2,391447,6946623\n"), "--crs");
-  says(written("far.csv", "row,tree,lat,lon\n1,1,41,0\n1,2,42,0\n"), "km from the middle");
-  says(written("pole.csv", "row,tree,lat,lon\n1,1,141,0\n"), "is not on the earth");
-  says(written("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns with positions");
-  says(written("nothing.csv", ""), "nothing.csv");
-  says(written("noise.gpkg", "no database at all"), "is not a GeoPackage");
-  says(written("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"),
+  says(folder_.file("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "is not on the earth");
+  says(folder_.file("twice.csv", "row,tree,x,y\n1,1,0,0\n1,1,3,0\n"), "row 1 has two trees 1");
+  says(folder_.file("zone.csv", "row,tree,x,y\n1,1,391444,6946623\n1,2,391447,6946623\n"), "--crs");
+  says(folder_.file("far.csv", "row,tree,lat,lon\n1,1,41,0\n1,2,42,0\n"), "km from the middle");
+  says(folder_.file("pole.csv", "row,tree,lat,lon\n1,1,141,0\n"), "is not on the earth");
+  says(folder_.file("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns with positions");
+  says(folder_.file("nothing.csv", ""), "nothing.csv");
+  says(folder_.file("noise.gpkg", "no database at all"), "is not a GeoPackage");
+  says(folder_.file("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"),
        "the name must have at most 64 characters");
   PlanFileOptions options;
   options.row_field = "block";
-  says(written("fields.csv", "row,tree,x,y\n1,1,0,0\n"), "no column block, only: row, tree, x, y",
-       options);
+  says(folder_.file("fields.csv", "row,tree,x,y\n1,1,0,0\n"),
+       "no column block, only: row, tree, x, y", options);
   options = {};
   options.crs = "EPSG:nothing";
-  says(written("crs.csv", "row,tree,x,y\n1,1,0,0\n"), "is not a coordinate system", options);
-  says(written("typo.yaml", "rowz: 3\n"), "rows");
-  says(written("less.yaml", "rows: 3\ntrees: 5\nrow_spacing_m: 4\n"), "tree_spacing_m");
+  says(folder_.file("crs.csv", "row,tree,x,y\n1,1,0,0\n"), "is not a coordinate system", options);
+  says(folder_.file("typo.yaml", "rowz: 3\n"), "rows");
+  says(folder_.file("less.yaml", "rows: 3\ntrees: 5\nrow_spacing_m: 4\n"), "tree_spacing_m");
 }
 
 TEST_F(PlanFile, NamesSurviveCsv) {
-  const std::string path =
-      written("names.csv", "row,tree,x,y\n\"A, \"\"old\"\"\",1,0,0\n\"A, \"\"old\"\"\",2,3,0\n");
+  const std::string path = folder_.file(
+      "names.csv", "row,tree,x,y\n\"A, \"\"old\"\"\",1,0,0\n\"A, \"\"old\"\"\",2,3,0\n");
   const StoredPlan plan = read_plan(path, {});
   EXPECT_EQ(plan.plan.rows[0].name, "A, \"old\"");
   EXPECT_EQ(plan_names_csv({{17, {plan.plan.rows[0].name, "1"}}}),
             "id,row,tree\n17,\"A, \"\"old\"\"\",1\n");
-  const std::string names =
-      written("back.csv", plan_names_csv({{17, {plan.plan.rows[0].name, "1"}}, {18, {"B", ""}}}));
+  const std::string names = folder_.file(
+      "back.csv", plan_names_csv({{17, {plan.plan.rows[0].name, "1"}}, {18, {"B", ""}}}));
   const auto back = read_plan_names(names);
   EXPECT_EQ(back.at(17).row, "A, \"old\"");
   EXPECT_EQ(back.at(18).tree, "");
   const auto says = [this](const char* line, const char* part) {
-    const std::string bad = written("bad.csv", std::string("id,row,tree\n") + line);
-    try {
-      read_plan_names(bad);
-      ADD_FAILURE() << line << " was read";
-    } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-    }
+    const std::string bad = folder_.file("bad.csv", std::string("id,row,tree\n") + line);
+    const std::string refusal = refusal_of([&] { read_plan_names(bad); });
+    EXPECT_NE(refusal.find(part), std::string::npos) << line << refusal;
   };
   says("17,\"A,1\n", "bad.csv:2:4: a quote that is not closed");
   says("17,\"A\"B,1\n", "bad.csv:2:7: text after a closing quote");
@@ -304,8 +295,9 @@ TEST_F(PlanFile, NamesSurviveCsv) {
   says("A,A,1\n", "bad.csv:2:1: id: must be a number");
   says("17,\"A,B\"\n", "bad.csv:2:1: 2 fields");
   says("", "names nothing");
-  EXPECT_EQ(read_plan_names(written("ends.csv", "id,row,tree\r\n17,\"\",\"\"\"\"\r\n")).at(17).tree,
-            "\"");
+  EXPECT_EQ(
+      read_plan_names(folder_.file("ends.csv", "id,row,tree\r\n17,\"\",\"\"\"\"\r\n")).at(17).tree,
+      "\"");
 }
 
 }  // namespace

@@ -18,20 +18,11 @@ using ::testing::HasSubstr;
 
 class SurveyFile : public ::testing::Test {
  protected:
-  std::string written(const std::string& name, const std::string& text) const {
-    write_bytes(folder_ / name, text);
-    return folder_ / name;
-  }
   StoredSurvey survey(const std::string& name, const std::string& text) const {
-    return read_survey(written(name, text), {});
+    return read_survey(folder_.file(name, text), {});
   }
   std::string refusal(const std::string& name, const std::string& text) const {
-    try {
-      survey(name, text);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "";
+    return refusal_of([&] { survey(name, text); });
   }
 
   TestFolder folder_;
@@ -45,12 +36,7 @@ geometry::Georeference datum_at(double latitude_deg, double longitude_deg) {
 }
 
 std::string refusal_about(const StoredSurvey& survey, const geometry::Georeference& datum) {
-  try {
-    survey_about(survey, datum);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { survey_about(survey, datum); });
 }
 
 /// A GeoJSON of three points on the earth, the first at longitude, latitude.
@@ -125,10 +111,10 @@ TEST_F(SurveyFile, SaysWhatIsWrong) {
 TEST_F(SurveyFile, AMapOfOursIsNone) {
   EXPECT_TRUE(is_map(folder_.path()));
   EXPECT_TRUE(is_map(folder_ / "missing.csv"));
-  EXPECT_TRUE(is_map(written("map.csv", "id,class,x_m,y_m,n,roc_mean\n")));
-  EXPECT_TRUE(is_map(written("map.csv.gz", "\x1f\x8b and seven more bytes")));
-  EXPECT_FALSE(is_map(written("survey.csv", "class,x_m,y_m,width_m\ntree,1,2,0.1\n")));
-  EXPECT_FALSE(is_map(written("survey.geojson", geojson(1, 2))));
+  EXPECT_TRUE(is_map(folder_.file("map.csv", "id,class,x_m,y_m,n,roc_mean\n")));
+  EXPECT_TRUE(is_map(folder_.file("map.csv.gz", "\x1f\x8b and seven more bytes")));
+  EXPECT_FALSE(is_map(folder_.file("survey.csv", "class,x_m,y_m,width_m\ntree,1,2,0.1\n")));
+  EXPECT_FALSE(is_map(folder_.file("survey.geojson", geojson(1, 2))));
 }
 
 }  // namespace

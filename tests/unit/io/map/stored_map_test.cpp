@@ -30,13 +30,8 @@ const char kHeader[] =
 /// What reading a map.csv of these lines says; empty when it reads.
 std::string refusal(const std::string& lines) {
   const TestFolder folder;
-  std::ofstream(folder / "map.csv") << kHeader << lines;
-  try {
-    read_stored_map(folder / "map.csv");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  const std::string path = folder.file("map.csv", kHeader + lines);
+  return refusal_of([&] { read_stored_map(path); });
 }
 
 std::string line(int id, double x, double y, double width) {

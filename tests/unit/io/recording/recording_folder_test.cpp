@@ -31,12 +31,7 @@ void write_recording(const TestFolder& folder) {
 }
 
 std::string error_of(const std::string& path) {
-  try {
-    read_recording_folder(path);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { read_recording_folder(path); });
 }
 
 TEST(RecordingFolder, MessagesComeInOrderOfTimeAndKind) {
@@ -181,13 +176,10 @@ TEST(ObservationCsv, RefusesWhatCannotBeAndSaysWhere) {
       {"200,1,tree,1,2,0.1,3,0.5,4,0.25\n", "a.csv:3"},           // a field less
   };
   for (const auto& c : cases) {
-    try {
-      read_observation_csv(folder.file("a.csv", kHeader + good + c.row));
-      ADD_FAILURE() << c.row;
-    } catch (const FileError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(c.message)) << c.row;
-      EXPECT_THAT(error.what(), HasSubstr("a.csv:3")) << c.row;
-    }
+    const std::string path = folder.file("a.csv", kHeader + good + c.row);
+    const std::string refusal = refusal_of([&] { read_observation_csv(path); });
+    EXPECT_THAT(refusal, HasSubstr(c.message)) << c.row;
+    EXPECT_THAT(refusal, HasSubstr("a.csv:3")) << c.row;
   }
   EXPECT_THROW(read_observation_csv(folder.file("a.csv", "utime_us,object\n1,2\n")), FileError);
   EXPECT_THROW(read_observation_csv("/no/such/file.csv"), FileError);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/csv.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::io {
 namespace {
@@ -139,13 +139,9 @@ std::string_view CsvReader::text(std::size_t field) const { return fields_.at(fi
 
 double CsvReader::number(std::size_t field) const {
   const std::string_view text = fields_.at(field);
-  double value = 0.0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size() ||
-      !std::isfinite(value)) {
-    fail(field, shown(text) + " is not a finite number");
-  }
-  return value;
+  const auto value = parse_number<double>(text);
+  if (!value || !std::isfinite(*value)) fail(field, shown(text) + " is not a finite number");
+  return *value;
 }
 
 double CsvReader::number_in(std::size_t field, double lo, double hi) const {
@@ -157,12 +153,9 @@ double CsvReader::number_in(std::size_t field, double lo, double hi) const {
 
 std::int64_t CsvReader::integer(std::size_t field) const {
   const std::string_view text = fields_.at(field);
-  std::int64_t value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
-    fail(field, shown(text) + " is not a whole number");
-  }
-  return value;
+  const auto value = parse_number<std::int64_t>(text);
+  if (!value) fail(field, shown(text) + " is not a whole number");
+  return *value;
 }
 
 std::int64_t CsvReader::later_utime(std::size_t field, std::int64_t last_utime) const {

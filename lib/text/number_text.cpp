@@ -5,6 +5,8 @@
 
 #include <charconv>
 
+#include "text/parse_number.hpp"
+
 namespace orchard {
 namespace {
 
@@ -36,11 +38,7 @@ std::string shortest_text(double value) {
 }
 
 std::optional<std::int32_t> whole_number(std::string_view text) {
-  std::int32_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return value;
+  return parse_number<std::int32_t>(text);
 }
 
 std::string date_text(std::int64_t utime) {

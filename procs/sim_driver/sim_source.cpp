@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim_driver/sim_source.hpp"
 
-#include <charconv>
 #include <stdexcept>
 #include <variant>
 
 #include "io/recording/truth_csv.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::procs {
 namespace {
 
 std::uint64_t parse_seed(const std::string& text) {
-  std::uint64_t seed = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
-    throw std::invalid_argument("--seed " + text + ": must be a whole number from 0 on");
-  }
-  return seed;
+  if (const auto seed = parse_number<std::uint64_t>(text)) return *seed;
+  throw std::invalid_argument("--seed " + text + ": must be a whole number from 0 on");
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +19,7 @@
 #include "bus/node/process_report.hpp"
 #include "cli/field/status_board.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 #include "viewer/live_page.hpp"
 
 namespace orchard::procs {
@@ -107,10 +107,8 @@ PageServerOptions parse_listen(const std::string& listen) {
   }
   if (!address.empty()) options.address = address;
   if (!has_port) return options;
-  const char* begin = listen.data() + colon + 1;
-  const char* end = listen.data() + listen.size();
-  const auto result = std::from_chars(begin, end, options.port);
-  if (result.ec != std::errc() || result.ptr != end || options.port < 1 || options.port > 65535) {
+  options.port = whole_number(listen.substr(colon + 1)).value_or(0);
+  if (options.port < 1 || options.port > 65535) {
     throw io::FileError("--listen " + listen + ": must be ADDRESS:PORT with a port of 1 to 65535");
   }
   options.may_move = false;

@@ -11,13 +11,13 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdlib>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "bus/node/process_report.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -41,9 +41,8 @@ DeviceServer::DeviceServer(std::unique_ptr<device::EmulatedDevice> device, const
   if (where.rfind("tcp:", 0) == 0 && colon > 4) {
     is_tcp_ = true;
     host_ = where.substr(4, colon - 4);
-    const auto end = where.data() + where.size();
-    const auto result = std::from_chars(where.data() + colon + 1, end, port_);
-    if (result.ec != std::errc() || result.ptr != end || port_ < 0 || port_ > 65535) {
+    port_ = parse_number<int>(std::string_view(where).substr(colon + 1)).value_or(-1);
+    if (port_ < 0 || port_ > 65535) {
       throw std::invalid_argument(where + ": the port must be 0 to 65535");
     }
   } else if (where.rfind("pty:", 0) == 0) {

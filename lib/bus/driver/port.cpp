@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/driver/port.hpp"
+#include "text/parse_number.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -14,7 +15,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -42,13 +42,6 @@ constexpr std::pair<int, speed_t> kBauds[] = {
     {115200, B115200}, {230400, B230400}, {460800, B460800}, {500000, B500000}, {921600, B921600},
 };
 
-std::optional<int> parse_whole(std::string_view text) {
-  int value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 std::optional<speed_t> speed_of(int baud) {
   for (const auto& [number, speed] : kBauds) {
     if (number == baud) return speed;
@@ -72,7 +65,7 @@ PortAddress parse_tcp(const std::string& text, const std::string& rest) {
     address.host = address.host.substr(1, address.host.size() - 2);
   }
   address.service = rest.substr(colon + 1);
-  const std::optional<int> number = parse_whole(address.service);
+  const std::optional<int> number = parse_number<int>(address.service);
   if (!number || *number < 1 || *number > 65535) refuse(text, "its port must be 1 to 65535");
   return address;
 }
@@ -87,7 +80,7 @@ PortAddress parse_udp(const std::string& text, const std::string& rest) {
   if (colon != std::string::npos && inet_pton(AF_INET, address.host.c_str(), &numbers) != 1) {
     refuse(text, "the sender must be an address of four numbers");
   }
-  const std::optional<int> number = parse_whole(address.service);
+  const std::optional<int> number = parse_number<int>(address.service);
   if (!number || *number < 1 || *number > 65535) refuse(text, "its port must be 1 to 65535");
   return address;
 }
@@ -98,7 +91,7 @@ PortAddress parse_serial(const std::string& text, const std::string& rest) {
   address.path = rest.substr(0, colon);
   if (address.path.empty() || address.path.front() != '/') refuse(text, "needs a device file");
   if (colon == std::string::npos) return address;
-  const std::optional<int> baud = parse_whole(rest.substr(colon + 1));
+  const std::optional<int> baud = parse_number<int>(rest.substr(colon + 1));
   if (!baud || !speed_of(*baud)) refuse(text, "its baud rate is not supported");
   address.baud = *baud;
   return address;
@@ -231,7 +224,8 @@ void Port::open_udp() {
   fileno_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   sockaddr_in here{};
   here.sin_family = AF_INET;
-  here.sin_port = htons(static_cast<std::uint16_t>(parse_whole(address_.service).value_or(0)));
+  here.sin_port =
+      htons(static_cast<std::uint16_t>(parse_number<int>(address_.service).value_or(0)));
   here.sin_addr.s_addr = htonl(INADDR_ANY);
   if (fileno_ < 0 || bind(fileno_, reinterpret_cast<const sockaddr*>(&here), sizeof(here)) != 0) {
     return close(open_problem(name(), errno));

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <charconv>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
@@ -23,6 +22,7 @@
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/lockstep_node.hpp"
 #include "io/file_error.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -194,13 +194,10 @@ int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
 }
 
 std::int64_t parse_utime(const std::string& option, const std::string& text) {
-  std::int64_t utime = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), utime);
   if (text.empty()) return 0;
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || utime < 0) {
-    throw std::invalid_argument(option + " " + text + ": must be microseconds since 1970");
-  }
-  return utime;
+  const auto utime = parse_number<std::int64_t>(text);
+  if (utime && *utime >= 0) return *utime;
+  throw std::invalid_argument(option + " " + text + ": must be microseconds since 1970");
 }
 
 int run_stream_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,

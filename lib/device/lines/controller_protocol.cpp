@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "device/lines/controller_protocol.hpp"
+#include "text/parse_number.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -50,19 +50,11 @@ std::optional<Number> read_number(std::string_view word) {
     word.remove_prefix(1);
     if (word.empty() || word.front() == '-') return std::nullopt;
   }
-  Number number{};
-  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) return std::nullopt;
-  return number;
+  return parse_number<Number>(word);
 }
 
 std::optional<std::uint8_t> read_hex_byte(std::string_view text) {
-  std::uint8_t byte = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), byte, 16);
-  if (text.size() != 2 || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return byte;
+  return text.size() == 2 ? parse_number<std::uint8_t>(text, 16) : std::nullopt;
 }
 
 /// The words behind a line's letter as numbers, each checked; keeps the first objection.

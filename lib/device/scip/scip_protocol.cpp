@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "device/scip/scip_protocol.hpp"
+#include "text/parse_number.hpp"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -21,13 +21,9 @@ constexpr int kMaxRange_mm = (1 << 18) - 1;
 constexpr int kMinRate_rpm = 60;
 constexpr int kMaxRate_rpm = 60000;
 
-std::optional<int> whole_number(std::string_view text) {
+std::optional<int> padded_number(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  int number = 0;
-  const auto end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, number);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return number;
+  return parse_number<int>(text);
 }
 
 bool is_scanner(const ScipParameters& p) {
@@ -146,7 +142,7 @@ std::optional<ScipParameters> parse_scip_parameters(const std::vector<std::strin
     if (name == "MODL:") p.model = std::string(value.substr(0, 80));
     const auto key = wanted.find(name);
     if (key == wanted.end()) continue;
-    const auto number = whole_number(value);
+    const auto number = padded_number(value);
     if (!number) return std::nullopt;
     *key->second = *number;
     wanted.erase(key);
@@ -164,7 +160,7 @@ std::optional<double> parse_scip_motor_rpm(const std::vector<std::string_view>& 
     if (unit == std::string_view::npos) return std::nullopt;
     std::size_t begin = unit;
     while (begin > 0 && (*text)[begin - 1] >= '0' && (*text)[begin - 1] <= '9') --begin;
-    const auto rpm = whole_number(text->substr(begin, unit - begin));
+    const auto rpm = padded_number(text->substr(begin, unit - begin));
     if (!rpm || *rpm < kMinRate_rpm || *rpm > kMaxRate_rpm) return std::nullopt;
     return *rpm;
   }

@@ -14,11 +14,6 @@ namespace {
 constexpr double kLevel = 0.99;
 constexpr int kDecimals = 6;
 
-template <class Numbers>
-std::string numbers(const Numbers& values) {
-  return config_numbers({values.begin(), values.end()}, kDecimals);
-}
-
 class RigFinder {
  public:
   RigFinder(const ros::FrameTree& tree, const BagFrames& frames) : tree_(tree), frames_(frames) {}
@@ -46,13 +41,15 @@ class RigFinder {
       return note("camera.delta_m and phi_rad are not set: " + frames_.image +
                   " is not an optical frame (x right, y down, z forward)");
     }
-    set("camera.delta_m", numbers(T_camera_laser->translation()));
-    set("camera.phi_rad", numbers(geometry::paper_angles_rad(T_camera_laser->rotation())));
+    set("camera.delta_m", config_numbers(T_camera_laser->translation(), kDecimals));
+    set("camera.phi_rad",
+        config_numbers(geometry::paper_angles_rad(T_camera_laser->rotation()), kDecimals));
   }
 
   void add_antenna() {
     const auto T_base_gnss = pose_of(frames_.gnss, "pose.gnss.antenna_m");
-    if (T_base_gnss) set("pose.gnss.antenna_m", numbers(T_base_gnss->translation().head<2>()));
+    if (T_base_gnss)
+      set("pose.gnss.antenna_m", config_numbers(T_base_gnss->translation().head<2>(), kDecimals));
   }
 
   void set(const std::string& key, const std::string& value) {

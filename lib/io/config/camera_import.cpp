@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/atomic_file.hpp"
@@ -129,23 +130,16 @@ class CameraYaml {
 ImportedCamera read_camera_file(const std::string& path) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
   const std::string text = read_file(path, kMaxBytes, "give the description of a camera");
-  return parse_camera_yaml(text, path);
-}
-
-ImportedCamera parse_camera_yaml(std::string_view text, const std::string& name) {
-  return CameraYaml(text, name).read();
+  return CameraYaml(text, path).read();
 }
 
 std::vector<ConfigValue> camera_values(const geometry::CameraIntrinsics& camera) {
-  const auto numbers = [](const auto& array, int num_decimals) {
-    return config_numbers({array.begin(), array.end()}, num_decimals);
-  };
   return {{"camera.width_px", std::to_string(camera.width_px)},
           {"camera.height_px", std::to_string(camera.height_px)},
-          {"camera.fc_px", numbers(camera.fc_px, 3)},
-          {"camera.cc_px", numbers(camera.cc_px, 3)},
+          {"camera.fc_px", config_numbers(camera.fc_px, 3)},
+          {"camera.cc_px", config_numbers(camera.cc_px, 3)},
           {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
-          {"camera.kc", numbers(camera.kc, 6)}};
+          {"camera.kc", config_numbers(camera.kc, 6)}};
 }
 
 }  // namespace orchard::io

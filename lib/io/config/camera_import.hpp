@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "geometry/camera_model.hpp"
@@ -22,9 +21,6 @@ struct ImportedCamera {
 /// Throws FileError with one sentence for a file that is over 1 MB, of another kind, incomplete, or
 /// describes a lens that k1 k2 p1 p2 k3 cannot model (fisheye, rational polynomial).
 ImportedCamera read_camera_file(const std::string& path);
-
-/// Parses text instead; `name` replaces the path in messages.
-ImportedCamera parse_camera_yaml(std::string_view text, const std::string& name);
 
 /// The lens parameters as values for a rig's YAML.
 std::vector<ConfigValue> camera_values(const geometry::CameraIntrinsics& camera);

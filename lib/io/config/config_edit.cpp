@@ -196,14 +196,6 @@ Config edited_config(const std::string& path, const std::vector<ConfigValue>& va
   return parse_config(edit_config(text_of(path), path, values), path);
 }
 
-std::string config_numbers(const std::vector<double>& numbers, int num_decimals) {
-  std::string text = "[";
-  for (const double number : numbers) {
-    text += (text.size() > 1 ? ", " : "") + fixed_text(number, num_decimals);
-  }
-  return text + "]";
-}
-
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note) {

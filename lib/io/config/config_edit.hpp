@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/config/config.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 
@@ -15,7 +16,14 @@ struct ConfigValue {
 };
 
 /// Numbers as a value: "[0.1000, 0.2000]".
-std::string config_numbers(const std::vector<double>& numbers, int num_decimals);
+template <class Numbers>
+std::string config_numbers(const Numbers& numbers, int num_decimals) {
+  std::string text = "[";
+  for (const double number : numbers) {
+    text += (text.size() > 1 ? ", " : "") + fixed_text(number, num_decimals);
+  }
+  return text + "]";
+}
 
 /// Sets values in a rig's YAML and keeps everything else - comments, order, spacing; missing keys
 /// or sections are inserted. With a `note`, a comment line "# <tag>: <note>" is placed above the

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <set>
@@ -15,6 +14,7 @@
 #include "io/config/config_file.hpp"
 #include "text/nearest_word.hpp"
 #include "text/number_text.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::io {
 namespace {
@@ -28,15 +28,9 @@ std::string scalar_text(const YAML::Node& node) {
 }
 
 /// Parses the whole text as a number; a leading + is allowed. None if it is not a number.
-std::optional<double> parse_number(const std::string& text) {
-  double value = 0.0;
-  const char* begin = text.data();
-  if (!text.empty() && *begin == '+') ++begin;
-  const auto result = std::from_chars(begin, text.data() + text.size(), value);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return value;
+std::optional<double> signed_number(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  return parse_number<double>(text);
 }
 
 /// Fills a configuration from YAML and collects the errors.
@@ -88,17 +82,14 @@ class Reader : public ConfigVisitor {
   void on_integer(const ConfigKey& key, int& value, int lo, int hi) override {
     const YAML::Node field = find(key);
     if (!field) return;
-    int parsed = 0;
     const std::string text = scalar_text(field);
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), parsed);
-    if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
-      return refuse(field, key.name, text, "must be a whole number");
-    }
-    if (parsed < lo || parsed > hi) {
+    const auto parsed = parse_number<int>(text);
+    if (!parsed) return refuse(field, key.name, text, "must be a whole number");
+    if (*parsed < lo || *parsed > hi) {
       return refuse(field, key.name, text,
                     "must be in [" + std::to_string(lo) + ", " + std::to_string(hi) + "]");
     }
-    value = parsed;
+    value = *parsed;
   }
 
   void on_flag(const ConfigKey& key, bool& value) override {
@@ -208,7 +199,7 @@ class Reader : public ConfigVisitor {
   void read_number(const YAML::Node& field, const std::string& key, double& value, double lo,
                    double hi) {
     const std::string text = scalar_text(field);
-    const auto parsed = parse_number(text);
+    const auto parsed = signed_number(text);
     if (!parsed) return refuse(field, key, text, "must be a number");
     if (!(*parsed >= lo && *parsed <= hi)) {
       return refuse(field, key, text,

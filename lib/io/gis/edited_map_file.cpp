@@ -2,7 +2,6 @@
 #include "io/gis/edited_map_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "io/sane_limits.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::io {
 namespace {
@@ -116,13 +116,9 @@ class EditedMapReader {
   double real(const Entry& entry, const char* name) const {
     const std::string text = entry.text(name);
     if (text.empty()) return 0.0;
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_number = error == std::errc() && end == text.data() + text.size();
-    if (!is_number || !(value >= 0.0 && value <= kNumberMax)) {
-      throw FileError(at_ + ": " + name + " is out of range");
-    }
-    return value;
+    const auto value = parse_number<double>(text);
+    if (value && *value >= 0.0 && *value <= kNumberMax) return *value;
+    throw FileError(at_ + ": " + name + " is out of range");
   }
   std::int32_t number(const Entry& entry, const char* name) const {
     const double value = real(entry, name);

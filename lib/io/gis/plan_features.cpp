@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "io/file_error.hpp"
 #include "io/gis/vector_file.hpp"
 #include "text/number_text.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::io {
 namespace {
@@ -198,13 +198,9 @@ class PlanLayerReader {
 
   double number_of(const VectorFeature& feature, const VectorLayer& layer, int field) const {
     const std::string_view text = feature.values[static_cast<std::size_t>(field)];
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) {
-      throw FileError(at_ + ": " + layer.fields[static_cast<std::size_t>(field)] + " = \"" +
-                      std::string(text.substr(0, kLongestName)) + "\" is not a number");
-    }
-    return value;
+    if (const auto value = parse_number<double>(text)) return *value;
+    throw FileError(at_ + ": " + layer.fields[static_cast<std::size_t>(field)] + " = \"" +
+                    std::string(text.substr(0, kLongestName)) + "\" is not a number");
   }
 
   void require_place(const Vector2d& p) const {

@@ -4,7 +4,6 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/unpacking_budget.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::io {
 
@@ -55,10 +55,8 @@ std::vector<TimedJpeg> list_jpegs(const std::string& folder, OtherFiles others) 
     if (!is_jpeg && others == OtherFiles::kSkip) continue;
     TimedJpeg file;
     file.path = entry.path().string();
-    const std::string stem = entry.path().stem().string();
-    const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), file.utime);
-    if (!is_jpeg || result.ec != std::errc() || file.utime < 0 ||
-        result.ptr != stem.data() + stem.size()) {
+    file.utime = parse_number<std::int64_t>(entry.path().stem().string()).value_or(-1);
+    if (!is_jpeg || file.utime < 0) {
       throw FileError(file.path +
                       ": the name of a picture must be <utime_us>.jpg; rename or remove it");
     }

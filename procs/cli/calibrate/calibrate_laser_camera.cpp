@@ -199,11 +199,12 @@ void print_result(const calibration::LaserCameraCalibration& result) {
   std::printf("%d of %zu views used; their scan points are %.1f mm (RMS) from the boards\n",
               result.num_used, result.views.size(), 1e3 * result.rms_m);
   std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera axes x, y, z)\n",
-              fixed_list(result.extrinsics.delta_m, 5).c_str(), 1e3 * sd(0), 1e3 * sd(1),
+              io::config_numbers(result.extrinsics.delta_m, 5).c_str(), 1e3 * sd(0), 1e3 * sd(1),
               1e3 * sd(2));
   std::printf(
       "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (about the camera axes x, y, z)\n",
-      fixed_list(result.extrinsics.phi_rad, 5).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
+      io::config_numbers(result.extrinsics.phi_rad, 5).c_str(), sd(3) / kDeg, sd(4) / kDeg,
+      sd(5) / kDeg);
   std::printf("95 %% confidence interval: +- %.2f standard deviations\n", result.interval95_factor);
 }
 
@@ -215,8 +216,8 @@ RigidExtrinsics mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
 void write(const CalibrateLaserCameraOptions& options,
            const geometry::LaserCameraExtrinsics& extrinsics, const std::string& note) {
   write_rig(options.config_path, options.out_path,
-            {{"camera.delta_m", fixed_list(extrinsics.delta_m, 5)},
-             {"camera.phi_rad", fixed_list(extrinsics.phi_rad, 5)}},
+            {{"camera.delta_m", io::config_numbers(extrinsics.delta_m, 5)},
+             {"camera.phi_rad", io::config_numbers(extrinsics.phi_rad, 5)}},
             "orchard calibrate laser-camera", note, options.quiet);
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -25,14 +24,6 @@ namespace {
 
 constexpr std::size_t kMaxNumbers = 10000;
 
-/// Parses a text that is entirely a number; -1 otherwise.
-int number_of(const std::string& text) {
-  int number = -1;
-  const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, number);
-  return result.ec == std::errc() && result.ptr == end && !text.empty() ? number : -1;
-}
-
 /// Parses a list of ids such as "3,7,9-20" to unique numbers in ascending order. Throws
 /// io::FileError for anything else, and for more than 10000 numbers.
 std::vector<int> parse_ids(const std::string& text) {
@@ -44,8 +35,9 @@ std::vector<int> parse_ids(const std::string& text) {
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::size_t dash = part.find('-');
-    const int first = number_of(part.substr(0, dash));
-    const int last = dash == std::string::npos ? first : number_of(part.substr(dash + 1));
+    const int first = whole_number(part.substr(0, dash)).value_or(-1);
+    const int last =
+        dash == std::string::npos ? first : whole_number(part.substr(dash + 1)).value_or(-1);
     if (first < 0 || last < first) refuse(part);
     if (static_cast<std::size_t>(last - first) >= kMaxNumbers) refuse(part);
     for (int number = first; number <= last; ++number) numbers.insert(number);
@@ -89,10 +81,10 @@ std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& c
 
 std::vector<io::ConfigValue> probability_values(const calibration::ProbabilityFit& fit) {
   return {{"detector.probability.enabled", "true"},
-          {"detector.probability.judged_tree", fixed_list(fit.config.judged_tree, 4)},
-          {"detector.probability.judged_object", fixed_list(fit.config.judged_object, 4)},
-          {"detector.probability.laser_tree", fixed_list(fit.config.laser_tree, 4)},
-          {"detector.probability.laser_object", fixed_list(fit.config.laser_object, 4)},
+          {"detector.probability.judged_tree", io::config_numbers(fit.config.judged_tree, 4)},
+          {"detector.probability.judged_object", io::config_numbers(fit.config.judged_object, 4)},
+          {"detector.probability.laser_tree", io::config_numbers(fit.config.laser_tree, 4)},
+          {"detector.probability.laser_object", io::config_numbers(fit.config.laser_object, 4)},
           {"mapper.evidence_prior", fixed_text(fit.prior, 3)},
           {"mapper.evidence_base_rate", fixed_text(fit.base_rate, 3)},
           {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}};
@@ -119,13 +111,13 @@ std::string logs_text(const std::vector<std::string>& log_paths) {
 
 void write_rig(const std::string& config_path, const std::string& out_path,
                const std::vector<io::ConfigValue>& values, const char* command,
-               const std::string& note, bool quiet, const std::string& more) {
+               const std::string& note, bool quiet) {
   const std::string& out = out_path.empty() ? config_path : out_path;
   std::string line = note;  // file names may contain line breaks; a comment is one line
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   io::edit_config_file(config_path, out, values, command, line);
-  if (!quiet) std::printf("written to %s%s\n", out.c_str(), more.c_str());
+  if (!quiet) std::printf("written to %s\n", out.c_str());
 }
 
 }  // namespace orchard::cli

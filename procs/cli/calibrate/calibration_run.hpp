@@ -36,25 +36,15 @@ auto naming(const std::string& input, const Function& compute) {
   }
 }
 
-/// "[0.100, -0.250]" as a value for a rig's YAML.
-template <class Numbers>
-std::string fixed_list(const Numbers& numbers, int num_decimals) {
-  std::string text = "[";
-  for (const double number : numbers) {
-    text += (text.size() > 1 ? ", " : "") + fixed_text(number, num_decimals);
-  }
-  return text + "]";
-}
-
 /// The logs of a calibration for its note: "drive.lcm and 2 more".
 std::string logs_text(const std::vector<std::string>& log_paths);
 
 /// Writes values with a note of their source (`command`) into a rig: `out_path`, or in place if it
-/// is empty; a new rig for an empty `config_path`. Prints the path and `more` unless `quiet`.
+/// is empty; a new rig for an empty `config_path`. Prints the path unless `quiet`.
 /// Throws io::FileError and io::ConfigError, and then leaves every file unchanged.
 void write_rig(const std::string& config_path, const std::string& out_path,
                const std::vector<io::ConfigValue>& values, const char* command,
-               const std::string& note, bool quiet, const std::string& more = {});
+               const std::string& note, bool quiet);
 
 /// Parses the --ids of landmarks of a map, such as "4,8,10-12", in ascending order; `map_path` is
 /// named in messages. Throws io::FileError for anything else, and naming all ids that the map has

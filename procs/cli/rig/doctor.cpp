@@ -8,7 +8,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -30,6 +29,7 @@
 #include "cli/field/field.hpp"
 #include "text/encoded_text.hpp"
 #include "text/number_text.hpp"
+#include "text/parse_number.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -52,8 +52,9 @@ struct NetworkInterface {
 
 template <class Number>
 bool read_number(std::string_view text, Number& value) {
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+  const auto number = parse_number<Number>(text);
+  value = number.value_or(value);
+  return number.has_value();
 }
 
 bool read_option(std::string_view option, UdpmUrl& url) {
@@ -193,10 +194,7 @@ int num_sockets_on_port(int port) {
     words >> slot >> local;
     const std::size_t colon = local.find(':');
     if (colon == std::string::npos) continue;
-    int local_port = 0;
-    const std::string hex = local.substr(colon + 1);
-    std::from_chars(hex.data(), hex.data() + hex.size(), local_port, 16);
-    count += local_port == port ? 1 : 0;
+    count += parse_number<int>(local.substr(colon + 1), 16) == port ? 1 : 0;
   }
   return count;
 }

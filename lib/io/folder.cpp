@@ -31,6 +31,12 @@ void remove_other_files(const std::string& folder, const std::set<std::string>& 
   if (names.empty()) std::filesystem::remove(folder, error);  // fails if anything else is in it
 }
 
+std::string file_in(const std::string& folder_or_file, const char* name) {
+  std::error_code error;
+  const std::filesystem::path path(folder_or_file);
+  return std::filesystem::is_directory(path, error) ? (path / name).string() : folder_or_file;
+}
+
 std::vector<std::string> folder_names(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;

@@ -17,6 +17,9 @@ void make_folder(const std::string& folder, const std::string& advice = {});
 void remove_other_files(const std::string& folder, const std::set<std::string>& names,
                         const std::function<bool(const std::string& name)>& is_ours);
 
+/// The path of that file in a folder; the path itself if it is no folder's.
+std::string file_in(const std::string& folder_or_file, const char* name);
+
 /// Lists the names in a folder, sorted; empty if it cannot be read.
 std::vector<std::string> folder_names(const std::string& folder);
 

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 #include "io/log/log_format.hpp"
@@ -78,21 +79,13 @@ void LogRecorder::write(std::int64_t utime, std::string_view channel, const std:
 
 void LogRecorder::flush() {
   if (fileno_ < 0 || buffer_.empty()) return;
-  std::size_t done = 0;
-  while (done < buffer_.size()) {
-    const ssize_t count = ::write(fileno_, buffer_.data() + done, buffer_.size() - done);
-    if (count > 0) {
-      done += static_cast<std::size_t>(count);
-    } else if (count < 0 && errno != EINTR) {
-      break;
-    }
-  }
-  if (done == buffer_.size()) {
-    file_bytes_ += static_cast<std::int64_t>(done);
+  try {
+    write_fully(fileno_, path_, buffer_.data(), buffer_.size());
+    file_bytes_ += static_cast<std::int64_t>(buffer_.size());
     num_written_ += num_in_buffer_;
-  } else {
+  } catch (const FileError& error) {
     // A partial event would hide the following ones: truncate the file to its last complete buffer.
-    problem_ = path_ + ": cannot be written (" + std::strerror(errno) + ")";
+    problem_ = error.what();
     if (::ftruncate(fileno_, file_bytes_) != 0) close_file();
     num_dropped_ += num_in_buffer_;
   }

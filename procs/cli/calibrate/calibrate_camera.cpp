@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "bus/messages/codec.hpp"
+#include "bus/messages/decode_as.hpp"
 #include "bus/process/process.hpp"
 #include "calibration/board/camera_calibration.hpp"
 #include "cli/calibrate/calibration_run.hpp"
@@ -134,20 +134,17 @@ void search_log(const std::string& path, Search& search, bool quiet) {
   int num_refused = 0;
   for (std::size_t i = 0; i < num; ++i) {
     const io::LogEvent event = reader.read_at(offsets[i * offsets.size() / num]);
-    const auto decoded = bus::decode(bus::Channel::kImage, event.data.data(), event.data.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    const auto picture = message ? calibration::grey_of(std::get<vision::Image>(*message))
-                                 : std::optional<calibration::GreyPicture>();
+    const auto image = bus::decode_as<vision::Image>(bus::Channel::kImage, event.data);
+    const auto picture =
+        image ? calibration::grey_of(*image) : std::optional<calibration::GreyPicture>();
     bar.update(i + 1, num);
     if (!picture) {
       ++num_refused;
       continue;
     }
-    const std::int64_t utime = bus::utime_of(*message);
-    if (first_utime == 0) first_utime = utime;
-    search.add(
-        path + " at " + fixed_text(1e-6 * static_cast<double>(utime - first_utime), 2) + " s",
-        *picture);
+    if (first_utime == 0) first_utime = image->utime;
+    const double at_s = 1e-6 * static_cast<double>(image->utime - first_utime);
+    search.add(path + " at " + fixed_text(at_s, 2) + " s", *picture);
   }
   bar.finish();
   if (num_refused > 0) {

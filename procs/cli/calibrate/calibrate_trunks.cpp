@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -25,6 +24,7 @@
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/map/map_csv.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/pose_estimate.hpp"
@@ -231,10 +231,7 @@ double spot_rad_of(const calibration::TrunkModel& model, const io::Config& confi
 
 /// Positions of the landmarks with these ids in a first map.
 std::vector<calibration::PickedTrunk> places_of(const CalibrateTrunksOptions& options) {
-  namespace fs = std::filesystem;
-  const std::string path = fs::is_directory(options.map_folder)
-                               ? (fs::path(options.map_folder) / "map.csv").string()
-                               : options.map_folder;
+  const std::string path = io::file_in(options.map_folder, "map.csv");
   const auto landmarks = io::read_map_csv(path);
   std::vector<calibration::PickedTrunk> places;
   for (const int id : picked_ids(options.ids, landmarks, path)) {

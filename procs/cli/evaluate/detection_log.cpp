@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/evaluate/detection_log.hpp"
 
-#include <filesystem>
 #include <utility>
 
-#include "bus/messages/codec.hpp"
+#include "bus/messages/decode_as.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "detector/detector_node.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/progress_bar.hpp"
 
@@ -16,19 +16,6 @@ namespace {
 
 using bus::Channel;
 using detection::Detections;
-
-std::string log_in(const std::string& path) {
-  return std::filesystem::is_directory(path)
-             ? (std::filesystem::path(path) / "derived.lcm").string()
-             : path;
-}
-
-void take(const void* data, std::size_t size, std::vector<Detections>& all) {
-  auto decoded = bus::decode(Channel::kDetections, data, size);
-  auto* message = std::get_if<bus::Message>(&decoded);
-  if (!message) return;
-  if (auto* detections = std::get_if<Detections>(message)) all.push_back(std::move(*detections));
-}
 
 bool has_scans(const std::string& path) {
   io::LogReader reader(path);
@@ -44,15 +31,17 @@ bool has_scans(const std::string& path) {
 }  // namespace
 
 std::vector<Detections> read_detections(const std::string& path) {
-  io::LogReader reader(log_in(path));
+  io::LogReader reader(io::file_in(path, "derived.lcm"));
   std::vector<Detections> all;
   while (const auto event = reader.next()) {
     if (event->channel != bus::info(Channel::kDetections).name) continue;
-    take(event->data.data(), event->data.size(), all);
+    auto detections = bus::decode_as<Detections>(Channel::kDetections, event->data);
+    if (detections) all.push_back(std::move(*detections));
   }
   if (all.empty()) {
     throw io::FileError(
-        log_in(path) + " has no valid " + std::string(bus::info(Channel::kDetections).name) +
+        io::file_in(path, "derived.lcm") + " has no valid " +
+        std::string(bus::info(Channel::kDetections).name) +
         " message; give a map folder: `orchard map` writes these messages to its derived.lcm");
   }
   return all;
@@ -60,7 +49,7 @@ std::vector<Detections> read_detections(const std::string& path) {
 
 std::vector<Detections> detect_log(const std::string& path, const io::Config& config,
                                    bool show_progress) {
-  const std::string log = log_in(path);
+  const std::string log = io::file_in(path, "derived.lcm");
   if (!has_scans(log)) return read_detections(log);
   procs::DetectorNode detector(config);
   std::vector<Detections> all;
@@ -68,7 +57,10 @@ std::vector<Detections> detect_log(const std::string& path, const io::Config& co
   bus::ReplayOptions replay;
   replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
   replay.on_derived = [&](Channel channel, std::int64_t, const std::vector<std::uint8_t>& data) {
-    if (channel == Channel::kDetections) take(data.data(), data.size(), all);
+    if (channel != Channel::kDetections) return;
+    if (auto detections = bus::decode_as<Detections>(channel, data)) {
+      all.push_back(std::move(*detections));
+    }
   };
   bus::replay_in_process(log, {&detector}, replay);
   bar.finish();

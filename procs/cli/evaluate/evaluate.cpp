@@ -11,19 +11,16 @@
 #include "evaluation/trajectory_evaluation.hpp"
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/truth_csv.hpp"
 
 namespace orchard::cli {
 namespace {
 
-std::string in_folder(const std::string& path, const char* file) {
-  return std::filesystem::is_directory(path) ? (std::filesystem::path(path) / file).string() : path;
-}
-
 /// Evaluates trajectory.csv beside the map against the true poses.
 evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options) {
-  const std::filesystem::path map_csv = in_folder(options.map_path, "map.csv");
+  const std::filesystem::path map_csv = io::file_in(options.map_path, "map.csv");
   const std::string path = (map_csv.parent_path() / "trajectory.csv").string();
   evaluation::TrajectoryRules rules;
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
@@ -45,7 +42,7 @@ void print_trajectory(const evaluation::TrajectoryEvaluation& evaluation, bool a
 }  // namespace
 
 int run_evaluate(const EvaluateOptions& options) {
-  const std::string map_csv = in_folder(options.map_path, "map.csv");
+  const std::string map_csv = io::file_in(options.map_path, "map.csv");
   const std::vector<mapping::Landmark> landmarks = io::read_map_csv(map_csv);
   const std::vector<simulation::TruthObject> truth = io::read_truth_csv(options.truth_path);
   std::optional<evaluation::TrajectoryEvaluation> trajectory;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bus/messages/channel.hpp"
-#include "bus/messages/codec.hpp"
+#include "bus/messages/decode_as.hpp"
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/interruptible_work.hpp"
@@ -33,11 +33,8 @@ evaluation::Track fixes_of(const io::LogPaths& logs) {
   io::LogSeries reader(logs);
   while (const auto event = reader.next()) {
     if (event->channel != bus::info(Channel::kPoseFix).name) continue;
-    const auto decoded = bus::decode(Channel::kPoseFix, event->data.data(), event->data.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    const auto* fix = message ? std::get_if<pose::PoseFix>(message) : nullptr;
-    if (fix == nullptr || (!track.poses.empty() && fix->utime <= track.poses.back().utime))
-      continue;
+    const auto fix = bus::decode_as<pose::PoseFix>(Channel::kPoseFix, event->data);
+    if (!fix || (!track.poses.empty() && fix->utime <= track.poses.back().utime)) continue;
     track.has_yaw = track.has_yaw && fix->has_yaw;
     track.poses.push_back({fix->utime, fix->x_m, fix->y_m, fix->yaw_rad});
   }
@@ -94,10 +91,8 @@ evaluation::ShadowRun run_in_shadow(const io::Config& config,
                           const std::vector<std::uint8_t>& data) {
     if (channel == Channel::kDetections) recorder.take_scan(utime);
     if (channel != Channel::kPose) return;
-    const auto decoded = bus::decode(channel, data.data(), data.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    const auto* pose = message ? std::get_if<pose::PoseEstimate>(message) : nullptr;
-    if (pose != nullptr) recorder.take(*pose);
+    const auto pose = bus::decode_as<pose::PoseEstimate>(channel, data);
+    if (pose) recorder.take(*pose);
   };
   bus::replay_in_process({options.log_paths}, {&detector, &pose_node}, replay);
   work.finish();

@@ -13,6 +13,7 @@
 #include "evaluation/row_evaluation.hpp"
 #include "evaluation/trajectory_evaluation.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/gis/plan_file.hpp"
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_csv.hpp"
@@ -102,9 +103,7 @@ int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
   if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
   if (options.gap_max_s > 0.0) rules.gap_max_s = options.gap_max_s;
-  const std::string path = std::filesystem::is_directory(options.trajectory_path)
-                               ? options.trajectory_path + "/trajectory.csv"
-                               : options.trajectory_path;
+  const std::string path = io::file_in(options.trajectory_path, "trajectory.csv");
   const evaluation::Track estimate = io::read_track_csv(path);
   const evaluation::Track truth = io::read_track_csv(options.truth_path);
   const evaluation::TrajectoryEvaluation evaluation =

@@ -233,10 +233,7 @@ void print(const ImportEditsOptions& options, const std::vector<Correction>& add
 }  // namespace
 
 int run_import_edits(const ImportEditsOptions& options) {
-  if (!std::filesystem::is_directory(options.map_folder)) {
-    throw io::FileError(options.map_folder +
-                        " is not a map folder; corrections are saved in a map folder");
-  }
+  require_folder(options.map_folder);
   if (!io::is_correction_text(options.who)) {
     throw io::FileError("--who: the name is too long or has several lines; give a short name");
   }

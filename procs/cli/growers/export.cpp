@@ -155,13 +155,7 @@ int run_export(const ExportOptions& options) {
   io::write_map_layers(layers, *file);
   make_parent_folder(options.out_path);
   write(options, *file);
-  const int num_conflicts = map.corrected.count(mapping::CorrectionOutcome::kConflict);
-  if (num_conflicts > 0) {
-    std::fprintf(stderr,
-                 "orchard export: warning: %d corrections conflict with the map and are not "
-                 "applied; list them with `orchard edit check %s`\n",
-                 num_conflicts, options.map_path.c_str());
-  }
+  warn_of_conflicts("orchard export", options.map_path, map.corrected);
   (options.json ? print_json : print_words)(options, format, *file, map);
   return bus::kExitOk;
 }

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "bus/messages/channel.hpp"
-#include "bus/messages/codec.hpp"
+#include "bus/messages/decode_as.hpp"
 #include "bus/process/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "bus/replay/logged_rig.hpp"
@@ -251,10 +251,8 @@ std::optional<laser::Scan> scan_at(const io::LogPaths& logs, std::int64_t utime)
   io::LogSeries reader(logs);
   while (const auto event = reader.next()) {
     if (event->channel != bus::info(Channel::kScan).name) continue;
-    const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
-    const auto* message = std::get_if<bus::Message>(&decoded);
-    const auto* scan = message ? std::get_if<laser::Scan>(message) : nullptr;
-    if (scan != nullptr && !scan->ranges_m.empty() && scan->utime >= utime) return *scan;
+    auto scan = bus::decode_as<laser::Scan>(Channel::kScan, event->data);
+    if (scan && !scan->ranges_m.empty() && scan->utime >= utime) return scan;
   }
   return std::nullopt;
 }

@@ -41,13 +41,6 @@ std::vector<pose::PoseEstimate> transformed(const std::vector<pose::PoseEstimate
   return result;
 }
 
-void append_ids(std::size_t number, const std::vector<mapping::MergedId>& ids, std::string& text) {
-  for (const mapping::MergedId& id : ids) {
-    text += std::to_string(number) + "," + std::to_string(id.before) + "," +
-            std::to_string(id.now) + "\n";
-  }
-}
-
 /// A map that was left out, and the reason.
 struct LeftOut {
   std::size_t map;
@@ -58,8 +51,8 @@ struct LeftOut {
 struct Whole {
   io::StoredMap map;  ///< its landmarks are those of `merged`
   mapping::MergedMap merged;
-  std::vector<std::string> ids_of_map;  ///< lines of ids.csv; empty for a map that is not merged
-  std::vector<std::string> laid;        ///< a sentence for each map after the first
+  std::vector<std::vector<mapping::MergedId>> ids_of_map;  ///< empty for a map that is not merged
+  std::vector<std::string> laid;  ///< a sentence for each map after the first
   std::vector<LeftOut> left_out;
 };
 
@@ -68,16 +61,15 @@ Whole begin_with(const std::vector<io::StoredMap>& maps, std::size_t first,
   Whole whole{maps[first], {maps[first].landmarks, maps[first].next_id}, {}, {}, {}};
   whole.map.name = options.map_paths[first];
   whole.ids_of_map.resize(maps.size());
-  std::vector<mapping::MergedId> ids;
-  for (const mapping::Landmark& l : whole.map.landmarks) ids.push_back({l.id, l.id});
-  append_ids(first + 1, ids, whole.ids_of_map[first]);
+  for (const mapping::Landmark& l : whole.map.landmarks) {
+    whole.ids_of_map[first].push_back({l.id, l.id});
+  }
   return whole;
 }
 
 void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignment& alignment,
              const MergeOptions& options, Whole& whole) {
-  append_ids(k + 1, mapping::merge_into(whole.merged, map.landmarks, alignment),
-             whole.ids_of_map[k]);
+  whole.ids_of_map[k] = mapping::merge_into(whole.merged, map.landmarks, alignment);
   whole.laid.push_back(fmt::format(
       "{}: aligned on {} trunks with a residual of {:.0f} mm (RMS); moved by {:.3f} m, {:.3f} m "
       "and {:.3f} degrees",
@@ -213,24 +205,19 @@ EarlierIdentity join(Earlier& earlier, const MergeOptions& options, io::MapFolde
   return {};
 }
 
-/// Lines of ids.csv with the current ids; `before`: the landmarks with the ids at the time of
-/// merging.
-std::string renamed(const std::vector<std::string>& ids_of_map,
+/// ids.csv with the current ids; `before`: the landmarks with the ids at the time of merging.
+std::string ids_csv(const std::vector<std::vector<mapping::MergedId>>& ids_of_map,
                     const std::vector<mapping::Landmark>& before,
                     const std::vector<mapping::Landmark>& now) {
   using Place = std::pair<double, double>;
   std::map<Place, std::int32_t> id_at;  // positions are unchanged and identify landmarks
   for (const mapping::Landmark& l : now) id_at[{l.x_m, l.y_m}] = l.id;
-  std::map<std::string, std::string> renaming;
-  for (const mapping::Landmark& l : before) {
-    renaming[std::to_string(l.id)] = std::to_string(id_at.at({l.x_m, l.y_m}));
-  }
+  std::map<std::int32_t, std::int32_t> renaming;
+  for (const mapping::Landmark& l : before) renaming[l.id] = id_at.at({l.x_m, l.y_m});
   std::string text = "map,id,merged_id\n";
-  for (const std::string& lines : ids_of_map) {
-    std::istringstream reader(lines);
-    for (std::string line; std::getline(reader, line);) {
-      const std::size_t comma = line.rfind(',');
-      text += line.substr(0, comma + 1) + renaming.at(line.substr(comma + 1)) + "\n";
+  for (std::size_t k = 0; k < ids_of_map.size(); ++k) {
+    for (const mapping::MergedId& id : ids_of_map[k]) {
+      text += fmt::format("{},{},{}\n", k + 1, id.before, renaming.at(id.now));
     }
   }
   return text;
@@ -295,7 +282,7 @@ int run_merge(const MergeOptions& options) {
   }
   content.rows = mapping::numbered_rows(content.landmarks);
   content.graph = mapping::navigation_graph(content.landmarks, content.rows, seen_free_of(whole));
-  content.ids_csv = renamed(laid.ids_of_map, merged.landmarks, content.landmarks);
+  content.ids_csv = ids_csv(laid.ids_of_map, merged.landmarks, content.landmarks);
   io::write_map_folder(options.out_folder, content);
   write_corrections(options.out_folder, kept.corrections);
   if (options.leave_out) {

@@ -18,15 +18,19 @@
 
 namespace orchard::cli {
 
+void warn_of_conflicts(const char* command, const std::string& path,
+                       const mapping::CorrectedMap& corrected) {
+  const int num_conflicts = corrected.count(mapping::CorrectionOutcome::kConflict);
+  if (num_conflicts == 0) return;
+  std::fprintf(stderr,
+               "%s: warning: %d corrections conflict with the map and are not applied; list them "
+               "with `orchard edit check %s`\n",
+               command, num_conflicts, path.c_str());
+}
+
 MapInput read_map_input(const char* command, const std::string& path, bool as_mapped) {
   const io::CorrectedMapFolder folder = io::read_corrected_map(path, as_mapped);
-  const int num_conflicts = folder.corrected.count(mapping::CorrectionOutcome::kConflict);
-  if (num_conflicts > 0) {
-    std::fprintf(stderr,
-                 "%s: warning: %d corrections conflict with the map and are not applied; list them "
-                 "with `orchard edit check %s`\n",
-                 command, num_conflicts, path.c_str());
-  }
+  warn_of_conflicts(command, path, folder.corrected);
   MapInput input{folder.mapped, folder.mapped, folder.corrected.row_names};
   input.map.landmarks = folder.corrected.landmarks;
   input.map.next_id = folder.corrected.next_id;

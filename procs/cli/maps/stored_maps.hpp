@@ -24,6 +24,10 @@ struct MapInput {
   std::map<std::int32_t, std::string> row_names;
 };
 
+/// Prints the number of conflicting corrections on stderr, prefixed by `command`; `path`: the map's.
+void warn_of_conflicts(const char* command, const std::string& path,
+                       const mapping::CorrectedMap& corrected);
+
 /// Reads a map folder with its corrections, unless `as_mapped`, or a map.csv alone. Prints the
 /// number of conflicting corrections on stderr, prefixed by `command`. Throws io::FileError.
 MapInput read_map_input(const char* command, const std::string& path, bool as_mapped);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "bus/messages/codec.hpp"
+#include "bus/messages/decode_as.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/maps/map_pipeline.hpp"
 #include "detection/rig.hpp"
@@ -42,15 +43,6 @@ std::size_t number_of(const procs::PageContent::Parameters& parameters, const ch
 struct Stopped : std::runtime_error {
   Stopped() : std::runtime_error("stopped") {}
 };
-
-/// Decodes a message of the log; none when it is damaged.
-template <class Kind>
-std::optional<Kind> decoded(Channel channel, const std::vector<std::uint8_t>& data) {
-  auto result = bus::decode(channel, data.data(), data.size());
-  auto* message = std::get_if<bus::Message>(&result);
-  auto* kind = message ? std::get_if<Kind>(message) : nullptr;
-  return kind ? std::optional<Kind>(std::move(*kind)) : std::nullopt;
-}
 
 }  // namespace
 
@@ -120,10 +112,10 @@ void LogPage::index() {
     if (is_stopping_) throw Stopped();
     const auto channel = bus::find_channel(event->channel);
     if (channel == Channel::kScan) {
-      const auto scan = decoded<laser::Scan>(Channel::kScan, event->data);
+      const auto scan = bus::decode_as<laser::Scan>(Channel::kScan, event->data);
       if (scan) scans_.emplace(scan->utime, event->offset);
     } else if (channel == Channel::kImage) {
-      const auto image = decoded<vision::Image>(Channel::kImage, event->data);
+      const auto image = bus::decode_as<vision::Image>(Channel::kImage, event->data);
       if (image) images_.emplace(image->utime, event->offset);
     }
   }
@@ -193,7 +185,7 @@ std::optional<Kind> LogPage::read(const Places& places, Channel channel, std::in
   const std::lock_guard<std::mutex> lock(log_mutex_);
   const auto place = places.find(utime);
   if (place == places.end()) return std::nullopt;
-  return decoded<Kind>(channel, reader_->read_at(place->second).data);
+  return bus::decode_as<Kind>(channel, reader_->read_at(place->second).data);
 }
 
 std::optional<detection::Detections> LogPage::detections_of(std::int64_t utime) const {
@@ -204,8 +196,8 @@ std::optional<detection::Detections> LogPage::detections_of(std::int64_t utime) 
     if (found == detections_.end()) return std::nullopt;
     stored = found->second;
   }
-  return decoded<detection::Detections>(Channel::kDetections,
-                                        spill_->read(stored.offset, stored.size));
+  return bus::decode_as<detection::Detections>(Channel::kDetections,
+                                               spill_->read(stored.offset, stored.size));
 }
 
 std::optional<std::string> LogPage::step(std::size_t at) const {

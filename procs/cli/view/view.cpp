@@ -9,8 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,6 +21,7 @@
 #include "bus/process/process.hpp"
 #include "cli/maps/stored_maps.hpp"
 #include "cli/view/log_page.hpp"
+#include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/map/background_file.hpp"
 #include "io/map/corrected_map.hpp"
@@ -47,7 +46,7 @@ namespace {
 namespace fs = std::filesystem;
 using procs::PageAnswer;
 
-constexpr std::uintmax_t kPhotoMax_bytes = std::uintmax_t{4} << 20;
+constexpr std::size_t kPhotoMax_bytes = std::size_t{4} << 20;
 
 /// The page of a map folder with its corrections, including those that others make meanwhile.
 class FolderPage : public procs::PageContent {
@@ -179,12 +178,12 @@ class FolderPage : public procs::PageContent {
     if (!id || !std::binary_search(photo_ids_.begin(), photo_ids_.end(), *id)) return std::nullopt;
     const fs::path path = fs::path(folder_) / io::photo_path(*id);
     std::error_code failure;
-    if (!fs::is_regular_file(path, failure) || fs::file_size(path, failure) > kPhotoMax_bytes) {
-      return std::nullopt;
+    if (!fs::is_regular_file(path, failure)) return std::nullopt;
+    try {
+      return PageAnswer{200, "image/jpeg", io::read_file(path.string(), kPhotoMax_bytes, "")};
+    } catch (const io::FileError&) {
+      return std::nullopt;  // too large, or removed meanwhile
     }
-    std::ifstream file(path, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    return PageAnswer{200, "image/jpeg", std::move(bytes)};
   }
   void show(io::CorrectedMapFolder map) {
     std::string corrections = procs::corrections_event(map);

@@ -20,18 +20,6 @@ void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
           "max rotation between the maps [rad]")
       ->check(CLI::Range(0.0, 3.15))
       ->default_str("0.175");
-  command
-      .add_option_function<double>(
-          "--max-turn",
-          [&c](double deg) {
-            std::fprintf(stderr,
-                         "orchard: warning: --max-turn (degrees) will be removed in the next\n"
-                         "release; use --max-turn-rad (radians)\n");
-            c.turn_max_deg = deg;
-          },
-          "max rotation between the maps [degrees]; deprecated, use --max-turn-rad")
-      ->check(CLI::Range(0.0, 180.0))
-      ->group("");
   command.add_flag("--any-place", c.any_place);
 }
 

@@ -24,7 +24,8 @@ struct MapInput {
   std::map<std::int32_t, std::string> row_names;
 };
 
-/// Prints the number of conflicting corrections on stderr, prefixed by `command`; `path`: the map's.
+/// Prints the number of conflicting corrections on stderr, prefixed by `command`; `path`: the
+/// map's.
 void warn_of_conflicts(const char* command, const std::string& path,
                        const mapping::CorrectedMap& corrected);
 

@@ -22,6 +22,10 @@ struct Odometry {
   std::array<double, 3> covariance{};  ///< var speed [m2/s2], cov, var yaw rate [rad2/s2]
 };
 
+/// Upward variance from which on a fix's altitude counts as unknown [m2]. physical: 100 m, worse
+/// than any fix in space.
+inline constexpr double kUnknownAltitudeVariance_m2 = 1e4;
+
 /// One satellite fix, WGS84.
 struct Gnss {
   std::int64_t utime = 0;  ///< time of the fix [us]

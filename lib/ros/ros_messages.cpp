@@ -271,8 +271,6 @@ std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size
   if (!is_finite({gnss.latitude_deg, gnss.longitude_deg})) {
     return NotUsed{"a position that is not finite"};
   }
-  // NaN marks an unknown altitude.
-  if (!std::isfinite(gnss.altitude_m)) gnss.altitude_m = 0.0;
   if (has_covariance) {
     const std::array<double, 6> enu{covariance[0], covariance[1], covariance[2],
                                     covariance[4], covariance[5], covariance[8]};
@@ -280,6 +278,11 @@ std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size
         std::all_of(enu.begin(), enu.end(), [](double v) { return std::isfinite(v); }) &&
         enu[0] >= 0.0 && enu[3] >= 0.0 && enu[5] >= 0.0;
     if (is_usable) gnss.covariance = enu;
+  }
+  if (!std::isfinite(gnss.altitude_m)) {  // NaN marks an unknown altitude
+    gnss.altitude_m = 0.0;
+    gnss.covariance[2] = gnss.covariance[4] = 0.0;
+    gnss.covariance[5] = pose::kUnknownAltitudeVariance_m2;
   }
   gnss.fix_quality = status == kFix ? 1 : status == kSatellites ? 2 : has_covariance ? 4 : 5;
   return gnss;

@@ -27,7 +27,6 @@ enum Quality : std::int8_t {
   kSimulated = 8,
 };
 
-constexpr double kUnknownHeightVariance_m2 = 1e4;
 constexpr double kMaxOfRtk_m = 1.0;  // above, eph is not the error of the RTK solution
 
 bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
@@ -51,7 +50,7 @@ bool from_noise(const GpsdNoise& noise, std::array<double, 6>& covariance) {
     return false;
   }
   uu = noise.up_sd_m && *noise.up_sd_m > 0.0 ? geometry::square(*noise.up_sd_m)
-                                             : kUnknownHeightVariance_m2;
+                                             : pose::kUnknownAltitudeVariance_m2;
   return true;
 }
 
@@ -219,8 +218,9 @@ std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise)
   if (is_rtk(gga_quality(fix)) && std::max(east_sd_m, north_sd_m) > kMaxOfRtk_m) return covariance;
   covariance[0] = geometry::square(east_sd_m);
   covariance[3] = geometry::square(north_sd_m);
-  covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0 ? geometry::square(*fix.epv_m)
-                                                                 : kUnknownHeightVariance_m2;
+  covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0
+                      ? geometry::square(*fix.epv_m)
+                      : pose::kUnknownAltitudeVariance_m2;
   return covariance;
 }
 
@@ -231,7 +231,8 @@ std::optional<pose::Gnss> to_measurement(const GpsdFix& fix, const GpsdNoise* no
   gnss.longitude_deg = *fix.longitude_deg;
   gnss.altitude_m = fix.altitude_m.value_or(0.0);
   gnss.covariance = enu_covariance(fix, noise);
-  if (!fix.altitude_m && gnss.covariance[0] > 0.0) gnss.covariance[5] = kUnknownHeightVariance_m2;
+  if (!fix.altitude_m && gnss.covariance[0] > 0.0)
+    gnss.covariance[5] = pose::kUnknownAltitudeVariance_m2;
   gnss.fix_quality = gga_quality(fix);
   return gnss;
 }

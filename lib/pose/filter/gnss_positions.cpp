@@ -42,6 +42,19 @@ Eigen::Matrix2d effective_covariance(const Gnss& gnss) {
   return covariance;
 }
 
+// physical: all satellites are above the antenna, so heights are about half as accurate as places.
+constexpr double kHeightOverPlace = 2.0;
+
+/// Variance of a fix's altitude [m2]; 0 if the altitude is unknown: stated as such, or the zero of
+/// a source that states nothing.
+double altitude_variance_m2(const Gnss& gnss) {
+  const double stated_m2 = gnss.covariance[5];
+  if (stated_m2 >= kUnknownAltitudeVariance_m2) return 0.0;
+  if (stated_m2 <= 0.0 && gnss.altitude_m == 0.0) return 0.0;
+  const double least_m = kHeightOverPlace * least_sd_m(gnss.fix_quality);
+  return std::max(stated_m2, least_m * least_m);
+}
+
 // physical: a receiver that works does not repeat a fix exactly while it moves so far.
 constexpr double kFreezeTravel_m = 0.5;
 // derived: the median of seven steps is that of four good ones.
@@ -92,7 +105,11 @@ std::optional<GnssPosition> GnssPositions::add(const Gnss& gnss) {
   double east_m = 0.0, north_m = 0.0, up_m = 0.0;
   enu->Forward(gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m, east_m, north_m, up_m);
   if (!std::isfinite(east_m) || !std::isfinite(north_m)) return std::nullopt;
-  return GnssPosition{gnss.utime, {east_m, north_m}, effective_covariance(gnss)};
+  return GnssPosition{gnss.utime,
+                      {east_m, north_m},
+                      effective_covariance(gnss),
+                      gnss.altitude_m - enu->HeightOrigin(),
+                      altitude_variance_m2(gnss)};
 }
 
 std::optional<std::array<double, 3>> GnssPositions::datum() const {

@@ -18,6 +18,8 @@ struct GnssPosition {
   std::int64_t utime = 0;
   Eigen::Vector2d p_enu_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m2], at least that of its quality
+  double height_m = 0.0;                                     ///< along the ellipsoid's normal
+  double height_variance_m2 = 0.0;  ///< at least that of its quality; 0 = height unknown
 };
 
 /// Converts fixes to metres east and north of a datum.

@@ -257,6 +257,22 @@ TEST_P(EveryWire, AFixWithItsQuality) {
   }
 }
 
+TEST_P(EveryWire, AFixWithoutAnAltitudeSaysSo) {
+  for (const std::uint8_t covariance_type : {0, 2}) {
+    Bytes bytes(GetParam());
+    bytes.header(9, 0, "gps").put(std::int8_t{2}).put(std::uint16_t{1});
+    bytes.put(-33.86).put(151.2).put(std::nan(""));
+    for (const double v : {1.0, 0.1, 0.2, 0.1, 2.0, 0.3, 0.2, 0.3, 9.0}) bytes.put(v);
+    bytes.put(covariance_type);
+    const auto decoded = decode_nav_sat_fix(bytes.data(), bytes.size(), wire_of(GetParam()));
+    const auto& gnss = std::get<pose::Gnss>(decoded);
+    EXPECT_EQ(gnss.altitude_m, 0.0);
+    EXPECT_EQ(gnss.covariance[0], covariance_type ? 1.0 : 0.0);
+    EXPECT_EQ(gnss.covariance[4], 0.0);
+    EXPECT_EQ(gnss.covariance[5], pose::kUnknownAltitudeVariance_m2);
+  }
+}
+
 TEST_P(EveryWire, AnOdometryIsAPlaceAndAVelocity) {
   Bytes bytes(GetParam());
   bytes.header(9, 500'000, "odom").text("base");

@@ -69,5 +69,27 @@ TEST(GnssAlignment, ARobotThatStandsHasNoHeading) {
   EXPECT_FALSE(align_to_gnss(observations));
 }
 
+TEST(GnssPositions, HeightsAreAboveTheDatumWithTheirVariance) {
+  GnssConfig config;
+  config.datum = {48.0, 11.0, 500.0};
+  GnssPositions positions(config);
+  Gnss fix;
+  fix.latitude_deg = 48.02;  // 2.2 km: the ellipsoid falls by 0.39 m from the level plane there
+  fix.longitude_deg = 11.0;
+  fix.altitude_m = 512.5;
+  fix.fix_quality = 4;
+  fix.covariance = {0.0004, 0.0, 0.0, 0.0004, 0.0, 0.0025};
+  EXPECT_NEAR(positions.add(fix)->height_m, 12.5, 1e-9);
+  EXPECT_DOUBLE_EQ(positions.add(fix)->height_variance_m2, 0.0025);
+  fix.covariance[5] = 1e-8;  // a claim that no receiver keeps
+  EXPECT_DOUBLE_EQ(positions.add(fix)->height_variance_m2, 0.0009);
+  fix.covariance[5] = kUnknownAltitudeVariance_m2;
+  EXPECT_EQ(positions.add(fix)->height_variance_m2, 0.0);
+  fix.covariance = {};
+  EXPECT_DOUBLE_EQ(positions.add(fix)->height_variance_m2, 0.0009);
+  fix.altitude_m = 0.0;  // a source without altitudes
+  EXPECT_EQ(positions.add(fix)->height_variance_m2, 0.0);
+}
+
 }  // namespace
 }  // namespace orchard::pose

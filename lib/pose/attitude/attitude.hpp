@@ -4,7 +4,16 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "geometry/angles.hpp"
+
 namespace orchard::pose {
+
+/// physical: the length over which the tilt of a robot is one and the same: about its wheelbase.
+inline constexpr double kBody_m = 1.0;
+/// physical: by hand and level a sensor is mounted parallel to the wheels within half a degree.
+inline constexpr double kMountSd_rad = 0.5 * geometry::kPi / 180.0;
+/// physical: orchards are driven on slopes of up to 25 %, twice this.
+inline constexpr double kDrivenSlopeSd = 0.12;
 
 /// The tilt of base against gravity: pitch about y (nose down positive), then roll about x (left
 /// side up positive). The level frame has base's origin and heading, and its z is up.

@@ -14,10 +14,6 @@ namespace {
 
 using geometry::square;
 
-// physical: the length over which the tilt of a robot is one and the same: about its wheelbase.
-constexpr double kBody_m = 1.0;
-// physical: by hand and level a scanner is mounted parallel to the wheels within half a degree.
-constexpr double kMountSd_rad = 0.5 * geometry::kPi / 180.0;
 // derived: of five bodies' lengths a scatter is known to a third.
 constexpr double kHeldAsWay_m = 5.0 * kBody_m;
 

@@ -100,11 +100,16 @@ Leveller::Input Leveller::levelled(Input input) {
   return input;
 }
 
+std::optional<Attitude> Leveller::tilt_at(std::int64_t utime) const {
+  const std::optional<Attitude> attitude = attitude_.at(utime);
+  return attitude && is_upright(*attitude) ? attitude : std::nullopt;
+}
+
 void Leveller::level(Imu& imu) {
   attitude_.add(imu);
   newest_imu_utime_ = std::max(newest_imu_utime_, imu.utime);
-  const std::optional<Attitude> attitude = attitude_.at(imu.utime);
-  if (!attitude || !is_upright(*attitude)) return;
+  const std::optional<Attitude> attitude = tilt_at(imu.utime);
+  if (!attitude) return;
   if (imu_utime_ && imu.utime > *imu_utime_) {
     const double time_s = std::min(1.0, timing::seconds(imu.utime - *imu_utime_));
     ground_.add(*attitude, std::abs(speed_mps_) * time_s, attitude_.heading_rate_radps() * time_s);
@@ -119,8 +124,8 @@ void Leveller::level(Imu& imu) {
 void Leveller::level(Odometry& odometry) {
   attitude_.add(odometry);
   if (config_.has_wheels) speed_mps_ = odometry.speed_mps;
-  const std::optional<Attitude> attitude = attitude_.at(odometry.utime);
-  if (!attitude || !is_upright(*attitude)) return;
+  const std::optional<Attitude> attitude = tilt_at(odometry.utime);
+  if (!attitude) return;
   odometry.speed_mps *= std::cos(attitude->pitch_rad);
   odometry.yaw_rate_radps = heading_rate_radps(*attitude, 0.0, odometry.yaw_rate_radps);
 }
@@ -131,9 +136,9 @@ void Leveller::level(laser::RearScan& scan) { level(scan, rear_); }
 void Leveller::level(laser::Scan& scan, ScanLeveller& leveller) {
   if (scan.ranges_m.empty()) return;  // of which only the time is used
   ++num_scans_;
-  const std::optional<Attitude> first = attitude_.at(scan.utime);
-  const std::optional<Attitude> last = attitude_.at(last_beam_utime(scan));
-  if (first && last && is_upright(*first) && is_upright(*last)) {
+  const std::optional<Attitude> first = tilt_at(scan.utime);
+  const std::optional<Attitude> last = tilt_at(last_beam_utime(scan));
+  if (first && last) {
     leveller.level(scan, *first, *last, ground_);
   } else {
     ++num_unlevelled_;

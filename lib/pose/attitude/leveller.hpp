@@ -41,6 +41,9 @@ class Leveller {
   /// The same at the end of the inputs, without waiting.
   std::optional<Input> take_flushed();
 
+  /// The tilt at a time near the newest IMU; none without one, and for a tilt that no robot has.
+  std::optional<Attitude> tilt_at(std::int64_t utime) const;
+
   /// Says that scans came without an IMU; empty if there were none.
   std::string warning() const;
 

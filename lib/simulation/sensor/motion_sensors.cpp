@@ -357,7 +357,9 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
   y_m += sky_m.y();
   Random random(seed_, Stream::kGnss, static_cast<std::uint64_t>(index));
   return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random,
-                       body.stand_at(T_map_base).z_m);
+                       (body.stand_at(T_map_base).transform() *
+                        Eigen::Vector3d(config_.antenna_m[0], config_.antenna_m[1], 0.0))
+                           .z());
 }
 
 }  // namespace orchard::simulation

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pose/attitude/attitude.hpp"
+
+namespace orchard::pose {
+
+/// What was known of the ground at one moment of a drive.
+struct GroundReading {
+  std::int64_t utime = 0;
+  double x_m = 0.0;  ///< T_map_base
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+  std::optional<Attitude> tilt;
+  double antenna_height_m = 0.0;     ///< of the antenna in map, if its variance is not 0
+  double antenna_variance_m2 = 0.0;  ///< of the fix; 0 = none
+};
+
+/// A place where the robot stood, with the ground below base.
+struct GroundPoint {
+  double x_m = 0.0;  ///< in map
+  double y_m = 0.0;
+  double z_m = 0.0;
+  double variance_m2 = 0.0;                 ///< of z_m, without shared_variance_m2
+  std::optional<Eigen::Vector2d> gradient;  ///< rise per metre along map's x and y, by the tilt
+};
+
+/// The ground along the path of a drive, a point a metre.
+struct GroundProfile {
+  std::vector<GroundPoint> points;
+  double shared_variance_m2 = 0.0;  ///< of an error of all heights together [m2]
+};
+
+/// Estimates the height of the ground along a path from the antenna's heights and from the tilt,
+/// summed over the way and smoothed from both ends. `readings`: in order of time;
+/// `p_base_antenna_m`: of the antenna in base, whose origin is on the ground.
+///
+/// Without any antenna height the profile is empty: heights by tilt alone drift by a hundredth of
+/// the way and would be those of no frame. Without tilts, heights alone tell the ground along the
+/// path. Antenna heights far off the profile lose their weight.
+GroundProfile ground_along(const std::vector<GroundReading>& readings,
+                           const Eigen::Vector3d& p_base_antenna_m);
+
+}  // namespace orchard::pose

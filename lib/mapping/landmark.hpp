@@ -21,6 +21,10 @@ struct Landmark {
   std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
   double width_m = 0.0;
   double width_sd_m = 0.0;  ///< standard error of width_m; 0 = unknown (not in MAP messages)
+  /// Height of the ground at the trunk above map's origin, whose altitude is that of the
+  /// georeference; known if z_sd_m > 0. Not in MAP messages.
+  double z_m = 0.0;
+  double z_sd_m = 0.0;
   /// Length of a hedge or wall, centred on x_m, y_m; 0 = round. Not in MAP messages, which contain
   /// the separate parts.
   double length_m = 0.0;

@@ -43,6 +43,7 @@ struct GnssConfig {
   /// first usable fix.
   std::array<double, 3> datum{0.0, 0.0, 0.0};
   std::array<double, 2> antenna_m{0.0, 0.0};
+  double antenna_height_m = 0.0;  ///< above the ground
   // Min standard deviation of a fix, by its quality, whatever the receiver claims. physical: what
   // data sheets of receivers state.
   static constexpr double kSdFixed_m = 0.015;
@@ -58,6 +59,9 @@ void describe(Visitor& v, GnssConfig& c) {
       "latitude, longitude, altitude of the origin of the map; 0, 0, 0 = the first valid fix");
   v.numbers("antenna_m", c.antenna_m, -20, 20, "m",
             "x, y of the antenna in base, measured with a ruler");
+  v.number("antenna_height_m", c.antenna_height_m, 0, 20, "m",
+           "height of the antenna above the ground, by which the heights of the map are too high "
+           "if it is not told");
   v.check(c.datum[0] > -90 && c.datum[0] < 90, "datum", "latitude must be in (-90, 90)");
   v.check(c.datum[1] >= -180 && c.datum[1] <= 180, "datum", "longitude must be in [-180, 180]");
 }

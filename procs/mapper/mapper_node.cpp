@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -38,6 +39,9 @@ constexpr std::size_t kRemovedPerTile = 1000;
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
 /// derived: closer fixes share their error and add nothing to a fit of metres.
 constexpr double kFixSpacing_m = 0.5;
+
+/// derived: at a walking pace a tilt every 0.2 m: five times what a robot's length of ground needs.
+constexpr std::int64_t kTiltPeriod_us = 200'000;
 
 /// derived: How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to
 /// start, and earlier poses follow once the first pose is known.
@@ -76,7 +80,8 @@ MapperNode::MapperNode(const io::Config& config,
                        const std::shared_ptr<mapping::ChunkAllocator>& memory)
     : levelled_(config),
       config_(config.mapper),
-      antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
+      p_base_antenna_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1],
+                        config.pose.gnss.antenna_height_m),
       gnss_(config.pose.gnss),
       mapper_(with_detector(config), {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
       track_(config.mapper.pose_gap_max_s, memory),
@@ -153,6 +158,8 @@ void MapperNode::take(const bus::Message& input, const bus::Outbox& send) {
     return add_gnss(*gnss);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     return album_.add_picture(*image);
+  } else if (std::holds_alternative<pose::Imu>(input)) {
+    add_tilt(utime);
   }
   release(send);
 }
@@ -180,6 +187,11 @@ void MapperNode::add_gnss(const pose::Gnss& gnss) {
   if (fix && (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
     fixes_.push_back(*fix);
   }
+}
+
+void MapperNode::add_tilt(std::int64_t utime) {
+  if (!tilts_.empty() && utime - tilts_.back().utime < kTiltPeriod_us) return;
+  if (const auto tilt = levelled_.tilt_at(utime)) tilts_.push_back({utime, *tilt});
 }
 
 bool MapperNode::deskews(const detection::Detections& detections) const {
@@ -344,7 +356,7 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
     pose::AntennaObservation observation;
     observation.p_enu_m = fix.p_enu_m;
     observation.p_map_m =
-        mapping::PoseComposition(*pose).apply(antenna_base_m_.x(), antenna_base_m_.y());
+        mapping::PoseComposition(*pose).apply(p_base_antenna_m_.x(), p_base_antenna_m_.y());
     observation.variance_m2 = 0.5 * fix.covariance.trace();
     observations.push_back(observation);
   }
@@ -360,6 +372,38 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
   georeference.yaw_rad = alignment->x_y_yaw.z();
   georeference.residual_rms_m = alignment->residual_rms_m;
   return georeference;
+}
+
+/// The ground along the corrected path. Empty without a georeference: nobody could say above what
+/// the heights are.
+pose::GroundProfile MapperNode::ground_profile() const {
+  const bool has_height = std::any_of(fixes_.begin(), fixes_.end(),
+                                      [](const auto& fix) { return fix.height_variance_m2 > 0.0; });
+  if (!has_height || !georeference()) return {};
+  std::vector<pose::GroundReading> readings;
+  const auto read = [&](std::int64_t utime) {
+    const auto pose = track_.at(utime);
+    if (pose) readings.push_back({utime, pose->x_m, pose->y_m, pose->yaw_rad, {}, 0.0, 0.0});
+    return pose.has_value();
+  };
+  auto tilt = tilts_.begin();
+  const auto read_tilts_to = [&](std::int64_t utime) {
+    for (; tilt != tilts_.end() && tilt->utime <= utime; ++tilt) {
+      if (read(tilt->utime)) readings.back().tilt = tilt->attitude;
+    }
+  };
+  for (const pose::GnssPosition& fix : fixes_) {
+    read_tilts_to(fix.utime);
+    if (!read(fix.utime)) continue;
+    pose::GroundReading& reading = readings.back();
+    reading.antenna_height_m = fix.height_m;
+    reading.antenna_variance_m2 = fix.height_variance_m2;
+    if (tilt != tilts_.begin() && std::abs(fix.utime - std::prev(tilt)->utime) <= kTiltPeriod_us) {
+      reading.tilt = std::prev(tilt)->attitude;
+    }
+  }
+  read_tilts_to(std::numeric_limits<std::int64_t>::max());
+  return pose::ground_along(readings, p_base_antenna_m_);
 }
 
 /// A real reflector is detected in most observations of its landmark, other objects never.
@@ -463,13 +507,13 @@ std::string MapperNode::waiting_for() const {
 using mapping::Omission;
 
 const mapping::FinishedMap& MapperNode::finished() const {
-  if (!finished_) finished_ = mapping::finish(mapper_);
+  if (!finished_) finished_ = mapping::finish(mapper_, ground_profile());
   return *finished_;
 }
 
 std::vector<mapping::Landmark> MapperNode::finished_landmarks() const {
   if (finished_) return finished_->landmarks;
-  return mapping::finish_without_ways(mapper_).landmarks;
+  return mapping::finish_without_ways(mapper_, ground_profile()).landmarks;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

@@ -18,6 +18,8 @@
 #include "mapping/finish/map_ways.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
+#include "pose/attitude/attitude.hpp"
+#include "pose/attitude/ground_profile.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/pose_estimate.hpp"
 #include "timing/ordered_queue.hpp"
@@ -44,7 +46,8 @@ namespace orchard::procs {
 /// IMAGE is used only for the album (mapper.album), a photograph of each landmark. DETECTIONS do
 /// not wait for it, and the map does not depend on it.
 ///
-/// GNSS gives the georeference: the corrected path is fitted to the fixes.
+/// GNSS gives the georeference: the corrected path is fitted to the fixes. With the tilt where
+/// scans are levelled it gives the heights of the ground.
 class MapperNode : public bus::Node {
  public:
   /// `memory` stores the data of a long drive; none: the heap. It changes no output.
@@ -111,12 +114,14 @@ class MapperNode : public bus::Node {
   const std::string& label_conflicts_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
+  void add_tilt(std::int64_t utime);
   bool deskews(const detection::Detections& detections) const;
   std::optional<std::size_t> blocker() const;
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
   FreeSpacePtr take_free_space(std::int64_t utime);
   std::optional<geometry::Georeference> georeference() const;
+  pose::GroundProfile ground_profile() const;
   void correct_up_to(std::int64_t utime, const bus::Outbox& send);
   bool is_rebuild_due() const;
   void rebuild_map(const bus::Outbox& send);
@@ -134,9 +139,14 @@ class MapperNode : public bus::Node {
 
   bus::LevelledInputs levelled_;
   mapping::MapperConfig config_;
-  Eigen::Vector2d antenna_base_m_;
+  Eigen::Vector3d p_base_antenna_m_;
   pose::GnssPositions gnss_;
   std::vector<pose::GnssPosition> fixes_;
+  struct Tilt {
+    std::int64_t utime;
+    pose::Attitude attitude;
+  };
+  std::vector<Tilt> tilts_;
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   Queue queue_;

@@ -46,6 +46,11 @@ class LevelledInputs {
     while (auto next = leveller_->take_flushed()) use(message(*std::move(next)));
   }
 
+  /// The tilt at a time near the newest IMU that was passed on; none where nothing is levelled.
+  std::optional<pose::Attitude> tilt_at(std::int64_t utime) const {
+    return leveller_ ? leveller_->tilt_at(utime) : std::nullopt;
+  }
+
   std::string warning() const { return leveller_ ? leveller_->warning() : std::string{}; }
 
  private:

@@ -23,6 +23,7 @@ using detection::Label;
 using mapping::Landmark;
 
 constexpr double kMaxSizeM = 1e6;
+constexpr double kLeastSdM = 1e-4;  // derived: the last digit of the file; 0 would mean unknown
 constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
 
 Label parse_label(const CsvReader& csv, std::size_t field) {
@@ -79,19 +80,22 @@ bool is_map(const std::string& path) {
 std::string map_csv(const std::vector<Landmark>& landmarks) {
   std::string text =
       "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,"
-      "width_sd_m,length_m,direction_deg\n";
+      "width_sd_m,length_m,direction_deg,z_m,z_sd_m\n";
   for (const Landmark& l : landmarks) {
-    text += std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
-            fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +
-            fixed_text(l.roc_mean, 4) + "," + fixed_text(l.probability, 4) + "," +
-            fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," +
-            fixed_text(l.width_m, 4) + "," + number_or_empty(l.row) + "," +
-            number_or_empty(l.position) + "," +
-            (l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : std::string()) + "," +
-            (l.length_m > 0.0 ? fixed_text(l.length_m, 4) + "," +
-                                    fixed_text(l.direction_rad * 180.0 / geometry::kPi, 2)
-                              : std::string(",")) +
-            "\n";
+    text +=
+        std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
+        fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +
+        fixed_text(l.roc_mean, 4) + "," + fixed_text(l.probability, 4) + "," +
+        fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," + fixed_text(l.width_m, 4) +
+        "," + number_or_empty(l.row) + "," + number_or_empty(l.position) + "," +
+        (l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : std::string()) + "," +
+        (l.length_m > 0.0 ? fixed_text(l.length_m, 4) + "," +
+                                fixed_text(l.direction_rad * 180.0 / geometry::kPi, 2)
+                          : std::string(",")) +
+        "," +
+        (l.z_sd_m > 0.0 ? fixed_text(l.z_m, 4) + "," + fixed_text(std::max(l.z_sd_m, kLeastSdM), 4)
+                        : std::string(",")) +
+        "\n";
   }
   return text;
 }
@@ -105,6 +109,8 @@ std::vector<Landmark> read_map_csv(const std::string& path) {
   if (has_width_sd) columns.push_back("width_sd_m");
   const bool has_length = csv.columns().size() > columns.size();
   if (has_length) columns.insert(columns.end(), {"length_m", "direction_deg"});
+  const bool has_height = csv.columns().size() > columns.size();
+  if (has_height) columns.insert(columns.end(), {"z_m", "z_sd_m"});
   csv.expect_columns(columns);
   std::vector<Landmark> landmarks;
   std::set<std::int32_t> ids;
@@ -129,6 +135,10 @@ std::vector<Landmark> read_map_csv(const std::string& path) {
     if (has_length && !csv.text(13).empty()) {
       landmark.length_m = csv.number_in(13, 0.0, kMaxSizeM);
       landmark.direction_rad = csv.number_in(14, -180.0, 180.0) * geometry::kPi / 180.0;
+    }
+    if (has_height && !(csv.text(15).empty() && csv.text(16).empty())) {
+      landmark.z_m = csv.number_in(15, -kMaxSizeM, kMaxSizeM);
+      landmark.z_sd_m = csv.number_in(16, kLeastSdM, kMaxSizeM);
     }
     landmarks.push_back(landmark);
   }

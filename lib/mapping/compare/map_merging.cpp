@@ -225,6 +225,13 @@ Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b) {
 
 Landmark merged_landmark(const Landmark& a, const Landmark& b) {
   Landmark l = a;
+  if (a.z_sd_m > 0.0 && b.z_sd_m > 0.0) {
+    const double of_a = 1.0 / (a.z_sd_m * a.z_sd_m), of_b = 1.0 / (b.z_sd_m * b.z_sd_m);
+    l.z_m = (of_a * a.z_m + of_b * b.z_m) / (of_a + of_b);
+    l.z_sd_m = 1.0 / std::sqrt(of_a + of_b);
+  } else if (b.z_sd_m > 0.0) {
+    l.z_m = b.z_m, l.z_sd_m = b.z_sd_m;
+  }
   const int n_a = a.num_observations, n_b = b.num_observations;
   const double n = static_cast<double>(n_a) + n_b;
   l.num_observations = n_a + n_b;

@@ -51,10 +51,10 @@ struct MergedId {
 ///
 /// Coincident landmarks are united: number of observations and mean roc over all observations;
 /// standard errors as of one sample (Chan et al. 1979, from each map's n, mean and standard error);
-/// position and width weighted by their uncertainty; class and probability by the sum of the log
-/// odds, each clamped to the precision of files. Landmarks without any observation keep 0. Ids of
-/// `merged` are kept; new landmarks get ids from merged.next_id on, in order of their id in b. Row
-/// and position of `merged` are kept; they are 0 for new landmarks. Returns the ids of b's
+/// position, width and height weighted by their uncertainty; class and probability by the sum of
+/// the log odds, each clamped to the precision of files. Landmarks without any observation keep 0.
+/// Ids of `merged` are kept; new landmarks get ids from merged.next_id on, in order of their id in
+/// b. Row and position of `merged` are kept; they are 0 for new landmarks. Returns the ids of b's
 /// landmarks, in order.
 std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
                                  const MapAlignment& alignment);

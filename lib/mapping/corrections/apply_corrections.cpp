@@ -2,6 +2,7 @@
 #include "mapping/corrections/apply_corrections.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -10,6 +11,7 @@
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/compare/map_merging.hpp"
+#include "pose/attitude/attitude.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::mapping {
@@ -106,6 +108,9 @@ class Applier {
   }
 
   void move(Landmark& l, const Vector2d& p) {
+    if (l.z_sd_m > 0.0) {
+      l.z_sd_m = std::hypot(l.z_sd_m, pose::kDrivenSlopeSd * (p - place_of(l)).norm());
+    }
     l.x_m = p.x(), l.y_m = p.y();
     l.se_x_m = l.se_y_m = 0.0;
     places_[l.id].push_back(p);

@@ -7,6 +7,7 @@
 
 #include "mapping/compare/map_merging.hpp"
 #include "mapping/extent/extent.hpp"
+#include "mapping/finish/heights.hpp"
 #include "mapping/finish/plants.hpp"
 #include "mapping/rows/row_numbers.hpp"
 
@@ -82,7 +83,8 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
   return map;
 }
 
-FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground) {
+FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground,
+                      const pose::GroundProfile& heights) {
   const MapperConfig& config = mapper.config();
   std::vector<Landmark> standing = mapper.landmarks(config.min_observations);
   FinishedMap early;
@@ -95,6 +97,7 @@ FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground) {
             [](const OmittedLandmark& a, const OmittedLandmark& b) { return a.id < b.id; });
   map.rows = numbered_rows(map.landmarks);
   if (config.judges_by_width()) set_probability_by_order(map.rows, map.landmarks);
+  set_heights(heights, map.landmarks);
   return map;
 }
 
@@ -106,15 +109,15 @@ std::size_t FinishedMap::num_omitted(Omission reason) const {
                     [reason](const OmittedLandmark& l) { return l.reason == reason; }));
 }
 
-FinishedMap finish(const Mapper& mapper) {
+FinishedMap finish(const Mapper& mapper, const pose::GroundProfile& heights) {
   const std::shared_ptr<GroundOccupancy> ground = mapper.ground();
-  FinishedMap map = finish_on(mapper, *ground);
+  FinishedMap map = finish_on(mapper, *ground, heights);
   map.graph = navigation_graph_of(map.landmarks, map.rows, *ground);
   return map;
 }
 
-FinishedMap finish_without_ways(const Mapper& mapper) {
-  return finish_on(mapper, *mapper.ground());
+FinishedMap finish_without_ways(const Mapper& mapper, const pose::GroundProfile& heights) {
+  return finish_on(mapper, *mapper.ground(), heights);
 }
 
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

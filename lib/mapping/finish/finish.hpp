@@ -8,6 +8,7 @@
 #include "mapping/mapper.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
+#include "pose/attitude/ground_profile.hpp"
 
 namespace orchard::mapping {
 
@@ -39,11 +40,12 @@ struct FinishedMap {
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
 /// a camera, parts of a hedge may be classified as trunks, and the order of the rows tells how
-/// probably a landmark is a tree (set_probability_by_order()).
-FinishedMap finish(const Mapper& mapper);
+/// probably a landmark is a tree (set_probability_by_order()). `heights`: of the ground along the
+/// path, for those of the landmarks (set_heights()).
+FinishedMap finish(const Mapper& mapper, const pose::GroundProfile& heights = {});
 
 /// The same without ways, which take most of the time: for a table that is saved every second.
-FinishedMap finish_without_ways(const Mapper& mapper);
+FinishedMap finish_without_ways(const Mapper& mapper, const pose::GroundProfile& heights = {});
 
 /// The aisles and headland paths of a numbered map on ground that the mapper's scans saw free.
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

@@ -388,6 +388,38 @@ TEST(MapperNode, SatelliteFixesSayWhereTheMapLies) {
   EXPECT_EQ(node.warning(), "");
 }
 
+TEST(MapperNode, AltitudesGiveTheTreesTheHeightOfTheirGround) {
+  io::Config config;
+  config.pose.gnss.datum = {-27.6, 151.9, 600.0};
+  config.pose.gnss.antenna_height_m = 1.5;
+  for (const bool has_altitude : {true, false}) {
+    const GeographicLib::LocalCartesian enu(-27.6, 151.9, 600.0);
+    MapperNode node{config};
+    const bus::Outbox nobody = [](const bus::Message&) {};
+    for (int k = 0; k < 240; ++k) {  // 24 m up a slope of 10 %
+      const std::int64_t utime = kStart_us + 100000 * k;
+      node.handle(pose_at(k, utime), nobody);
+      node.handle(scan_at(k, utime), nobody);
+      pose::Gnss gnss;
+      gnss.utime = utime;
+      gnss.seq = k;
+      gnss.fix_quality = 4;
+      enu.Reverse(0.1 * k, 0.0, 0.01 * k + 1.5, gnss.latitude_deg, gnss.longitude_deg,
+                  gnss.altitude_m);
+      gnss.covariance = {4e-4, 0, 0,
+                         4e-4, 0, has_altitude ? 16e-4 : pose::kUnknownAltitudeVariance_m2};
+      node.handle(gnss, nobody);
+    }
+    node.flush(nobody);
+    ASSERT_EQ(node.finished().landmarks.size(), 4u);
+    for (const mapping::Landmark& l : node.finished().landmarks) {
+      EXPECT_EQ(l.z_sd_m > 0.0, has_altitude);
+      EXPECT_NEAR(l.z_m, has_altitude ? 0.1 * l.x_m : 0.0, 0.03);
+      EXPECT_LT(l.z_sd_m, 0.25);  // a metre beside the path, without a tilt
+    }
+  }
+}
+
 /// A reflector flashes in half of the observations or more, bark in hardly any: a sixth is neither.
 TEST(MapperNode, SaysWhereReflectorsDoNotTell) {
   for (const int period : {1, 2, 6}) {

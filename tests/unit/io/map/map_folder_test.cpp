@@ -90,8 +90,8 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
       text,
       HasSubstr(
           "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,"
-          "position,width_sd_m,length_m,direction_deg\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,"
-          "0.0050,0.0900,,,0.0021,,\n2,tree,0.9000,0.0000,6,"));
+          "position,width_sd_m,length_m,direction_deg,z_m,z_sd_m\n1,tree,0.0000,0.0000,5,0.8700,"
+          "0.9990,0.0050,0.0050,0.0900,,,0.0021,,,,\n2,tree,0.9000,0.0000,6,"));
   write_bytes(folder / "map.csv", text);
   EXPECT_EQ(map_csv(read_map_csv(folder / "map.csv")), text);
   // the maps of earlier releases have no width_sd_m
@@ -108,6 +108,20 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
   EXPECT_DOUBLE_EQ(with_hedge[0].length_m, 12.5);
   EXPECT_NEAR(with_hedge[0].direction_rad, -0.5, 1e-4);
   EXPECT_EQ(with_hedge[1].length_m, 0.0);
+  // the height of the ground
+  landmarks[0].z_m = -12.3456;
+  landmarks[0].z_sd_m = 1e-7;  // stays known
+  const std::string with_height = map_csv(landmarks);
+  EXPECT_THAT(with_height, HasSubstr(",-12.3456,0.0001\n2,"));
+  const auto high = read_map_csv(folder.file("high.csv", with_height));
+  EXPECT_DOUBLE_EQ(high[0].z_m, -12.3456);
+  EXPECT_EQ(high[1].z_sd_m, 0.0);
+  EXPECT_EQ(map_csv(high), with_height);
+  const std::string head = with_height.substr(0, with_height.find('\n') + 1);
+  for (const char* heights : {"1.5,", ",0.1", "1.5,0", "1.5,-1", "nan,0.1"}) {
+    const std::string line = "7,tree,1,2,5,0.9,0.99,0,0,0.1,,,,,," + std::string(heights) + "\n";
+    EXPECT_THROW(read_map_csv(folder.file("bad.csv", head + line)), FileError) << heights;
+  }
   EXPECT_THROW(read_map_csv(folder.file("twice.csv", text + text.substr(text.find('\n') + 1))),
                FileError);
   EXPECT_THROW(read_map_csv(folder.file("map.csv", "id,x\n1,2\n")), FileError);

@@ -2,6 +2,7 @@
 #include "mapping/compare/map_merging.hpp"
 
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include <algorithm>
 #include <map>
@@ -74,6 +75,19 @@ TEST(Merging, TheBetterKnownPlaceWeighsMore) {
   const Landmark turned = transformed(a, {0, 0, 1.5707963267948966});
   EXPECT_NEAR(turned.covariance[0], 0.09, 1e-9);
   EXPECT_NEAR(turned.covariance[2], 0.0001, 1e-9);
+}
+
+TEST(Merging, HeightsAreWeightedWhereBothAreKnown) {
+  Landmark a, b;
+  a.z_m = 1.0, a.z_sd_m = 0.1;
+  b.z_m = 2.0, b.z_sd_m = 0.2;
+  EXPECT_NEAR(merged_landmark(a, b).z_m, 1.2, 1e-12);  // four to one
+  EXPECT_NEAR(merged_landmark(a, b).z_sd_m, 0.2 / std::sqrt(5.0), 1e-12);
+  const Landmark unknown;
+  for (const Landmark& l : {merged_landmark(a, unknown), merged_landmark(unknown, a)}) {
+    EXPECT_EQ(l.z_m, 1.0);
+    EXPECT_EQ(l.z_sd_m, 0.1);
+  }
 }
 
 TEST(Merging, OneClassAgainstTheOther) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include "mapping/corrections/apply_corrections.hpp"
 #include "worlds/landmark.hpp"
@@ -36,6 +37,19 @@ TEST(Corrections, GoToWhatStandsThereAndIsAlikeWhenTheIdIsGone) {
   EXPECT_EQ(corrected.results[0].outcome, Outcome::kByPlace);
   EXPECT_THAT(corrected.results[0].reason, HasSubstr("9 is at the position of 2"));
   EXPECT_EQ(corrected.landmarks.size(), 3u);
+}
+
+TEST(Corrections, AMovedTreeKeepsItsHeightAsFarAsSlopesAllow) {
+  std::vector<Landmark> map = kMap;
+  map[1].z_m = 7.0, map[1].z_sd_m = 0.03;
+  Correction move = about(CorrectionKind::kMove, 1, map[1]);
+  move.places_map = {{2.3, 0.4}};  // by 0.5 m
+  const CorrectedMap corrected = apply_corrections(map, 10, {move});
+  const Landmark& moved = corrected.landmarks.at(1);
+  ASSERT_EQ(moved.x_m, 2.3);
+  EXPECT_EQ(moved.z_m, 7.0);
+  EXPECT_NEAR(moved.z_sd_m, std::hypot(0.03, 0.12 * 0.5), 1e-12);
+  EXPECT_EQ(corrected.landmarks.at(2).z_sd_m, 0.0);
 }
 
 TEST(Corrections, LeaveAnotherThingAlone) {

@@ -113,7 +113,8 @@ class OgrFile final : public LayerFile {
  protected:
   void open_layer(const GeoLayer& layer) override;
   void write_feature(const std::vector<GeoValue>& values,
-                     const std::vector<Eigen::Vector2d>& points_map) override;
+                     const std::vector<Eigen::Vector2d>& points_map,
+                     const std::optional<double>& height_m) override;
 
  private:
   void require(bool holds) const {
@@ -121,6 +122,10 @@ class OgrFile final : public LayerFile {
     throw SystemError(std::string("map") + info_.extension + ": GDAL cannot write it (" +
                       (errors_.first().empty() ? std::string("no reason given") : errors_.first()) +
                       "); install GDAL with its " + info_.driver + " driver?");
+  }
+  /// KML and GPX want heights above the sea, which the ellipsoid is not.
+  bool has_heights() const {
+    return begun_.has_heights && info_.format != GeoFormat::kKml && info_.format != GeoFormat::kGpx;
   }
   OGRPoint point_of(const Eigen::Vector2d& p_map) const {
     if (georeference_ && info_.is_on_earth) {
@@ -197,6 +202,7 @@ void OgrFile::open_layer(const GeoLayer& layer) {
     options.SetNameValue("GEOMETRY", "AS_WKT");
   }
   const auto type = is_table_                               ? wkbNone
+                    : has_heights()                         ? wkbPoint25D
                     : layer.geometry == GeoGeometry::kPoint ? wkbPoint
                     : layer.geometry == GeoGeometry::kArea  ? wkbPolygon
                                                             : wkbLineString;
@@ -248,7 +254,7 @@ void OgrFile::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry
   feature.SetField("Layer", layer_name.c_str());
   feature.SetGeometry(&geometry);
   require(layer_->CreateFeature(&feature) == OGRERR_NONE);
-  if (label.empty() || geometry.getGeometryType() != wkbPoint) return;
+  if (label.empty() || wkbFlatten(geometry.getGeometryType()) != wkbPoint) return;
   std::replace(label.begin(), label.end(), '"', ' ');
   OGRFeature text(layer_->GetLayerDefn());
   text.SetField("Layer", (layer_name + " labels").c_str());
@@ -258,7 +264,8 @@ void OgrFile::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry
 }
 
 void OgrFile::write_feature(const std::vector<GeoValue>& values,
-                            const std::vector<Eigen::Vector2d>& points_map) {
+                            const std::vector<Eigen::Vector2d>& points_map,
+                            const std::optional<double>& height_m) {
   OGRLineString line;
   for (const Eigen::Vector2d& p : points_map) {
     const OGRPoint point = point_of(p);
@@ -266,6 +273,7 @@ void OgrFile::write_feature(const std::vector<GeoValue>& values,
   }
   OGRPoint point;
   if (points_map.size() == 1) line.getPoint(0, &point);
+  if (height_m && has_heights()) point.setZ(stored_m(*height_m));
   OGRPolygon area;
   if (begun_.geometry == GeoGeometry::kArea) {
     OGRLinearRing border;

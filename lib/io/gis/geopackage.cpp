@@ -138,7 +138,8 @@ std::string point_bytes(const Eigen::Vector2d& p) {
 
 /// A geometry as GeoPackage stores it: a header with its bounds, then WKB.
 std::string geometry_blob(GeoGeometry geometry, int system_id,
-                          const std::vector<Eigen::Vector2d>& points, const Bounds& bounds) {
+                          const std::vector<Eigen::Vector2d>& points, const Bounds& bounds,
+                          const std::optional<double>& height_m) {
   constexpr std::uint8_t kVersion = 0, kLittleEndian = 1, kWithBounds = 2;
   const bool is_point = points.size() == 1;
   std::string blob = "GP" + number_bytes(kVersion);
@@ -151,11 +152,14 @@ std::string geometry_blob(GeoGeometry geometry, int system_id,
   }
   blob += number_bytes(kLittleEndian);
   const bool is_area = !is_point && geometry == GeoGeometry::kArea;
-  blob += number_bytes(std::uint32_t{is_point ? 1u : is_area ? 3u : 2u});
+  constexpr std::uint32_t kWithHeight = 1000;  // of ISO's WKB
+  blob += number_bytes(std::uint32_t{is_point ? 1u : is_area ? 3u : 2u} +
+                       (height_m ? kWithHeight : 0));
   if (is_area) blob += number_bytes(std::uint32_t{1});  // one ring
   if (!is_point)
     blob += number_bytes(static_cast<std::uint32_t>(points.size() + (is_area ? 1 : 0)));
   for (const Eigen::Vector2d& p : points) blob += point_bytes(p);
+  if (height_m) blob += number_bytes(stored_m(*height_m));
   if (is_area) blob += point_bytes(points.front());
   return blob;
 }
@@ -177,10 +181,11 @@ void LayerFile::begin_layer(const GeoLayer& layer) {
 }
 
 void LayerFile::add(const std::vector<GeoValue>& values,
-                    const std::vector<Eigen::Vector2d>& points_map) {
+                    const std::vector<Eigen::Vector2d>& points_map,
+                    const std::optional<double>& height_m) {
   if (!is_open_) return;
   ++written_.back().second;
-  write_feature(values, points_map);
+  write_feature(values, points_map, height_m);
 }
 
 struct GeoPackage::Impl {
@@ -292,8 +297,10 @@ void GeoPackage::Impl::close_layer() {
   insert_row("INSERT INTO gpkg_contents VALUES (?, 'features', ?, ?, ?, ?, ?, ?, ?, ?)",
              {name.c_str(), name.c_str(), layer->description, kFixedDate, limit(all.x0),
               limit(all.y0), limit(all.x1), limit(all.y1), system_id});
-  insert_row("INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)",
-             {name.c_str(), geometry_name(layer->geometry), system_id});
+  constexpr int kProhibited = 0, kOptional = 2;
+  insert_row("INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, ?, 0)",
+             {name.c_str(), geometry_name(layer->geometry), system_id,
+              layer->has_heights ? kOptional : kProhibited});
   run(fmt::format("CREATE VIRTUAL TABLE \"rtree_{}_geom\" USING rtree(id, minx, maxx, miny, maxy)",
                   name));
   sqlite3_stmt* insert =
@@ -361,7 +368,8 @@ void GeoPackage::open_layer(const GeoLayer& layer) {
 }
 
 void GeoPackage::write_feature(const std::vector<GeoValue>& values,
-                               const std::vector<Eigen::Vector2d>& points_map) {
+                               const std::vector<Eigen::Vector2d>& points_map,
+                               const std::optional<double>& height_m) {
   Impl& m = *impl_;
   std::vector<Eigen::Vector2d> points;
   points.reserve(points_map.size());
@@ -370,7 +378,8 @@ void GeoPackage::write_feature(const std::vector<GeoValue>& values,
     points.push_back(m.stored(p_map));
     bounds.add(points.back());
   }
-  const std::string geometry = geometry_blob(m.layer->geometry, m.system_id, points, bounds);
+  const std::string geometry =
+      geometry_blob(m.layer->geometry, m.system_id, points, bounds, height_m);
   m.require(sqlite3_bind_blob(m.insert_feature, 1, geometry.data(),
                               static_cast<int>(geometry.size()), SQLITE_TRANSIENT) == SQLITE_OK);
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -51,7 +51,8 @@ struct GeoLayer {
   GeoGeometry geometry;
   const char* description;  ///< one sentence for the user
   std::vector<GeoField> fields;
-  std::string qml{};  ///< QGIS style (qgis_style.hpp); empty: QGIS's default
+  std::string qml{};         ///< QGIS style (qgis_style.hpp); empty: QGIS's default
+  bool has_heights = false;  ///< points with a third coordinate where their height is known
 };
 
 /// A GIS file written in memory, layer by layer. Points are given in map.
@@ -72,8 +73,10 @@ class LayerFile {
   void begin_layer(const GeoLayer& layer);
 
   /// Adds a feature: one value per field, and its points (one for kPoint, two or more for kLine;
-  /// for kArea the boundary of three or more, without repeating the first).
-  void add(const std::vector<GeoValue>& values, const std::vector<Eigen::Vector2d>& points_map);
+  /// for kArea the boundary of three or more, without repeating the first). `height_m`: of a point,
+  /// above the ellipsoid if there is a georeference, else above map's origin.
+  void add(const std::vector<GeoValue>& values, const std::vector<Eigen::Vector2d>& points_map,
+           const std::optional<double>& height_m = {});
 
   /// Layers that were omitted.
   const std::vector<std::string>& left_out() const { return left_out_; }
@@ -92,7 +95,8 @@ class LayerFile {
   explicit LayerFile(bool has_one_layer) : has_one_layer_(has_one_layer) {}
   virtual void open_layer(const GeoLayer& layer) = 0;
   virtual void write_feature(const std::vector<GeoValue>& values,
-                             const std::vector<Eigen::Vector2d>& points_map) = 0;
+                             const std::vector<Eigen::Vector2d>& points_map,
+                             const std::optional<double>& height_m) = 0;
 
  private:
   bool has_one_layer_;
@@ -124,7 +128,8 @@ class GeoPackage final : public LayerFile {
  protected:
   void open_layer(const GeoLayer& layer) override;
   void write_feature(const std::vector<GeoValue>& values,
-                     const std::vector<Eigen::Vector2d>& points_map) override;
+                     const std::vector<Eigen::Vector2d>& points_map,
+                     const std::optional<double>& height_m) override;
 
  private:
   struct Impl;

@@ -78,6 +78,12 @@ void write_landmarks(const MapLayers& map, LayerFile& file) {
   layer.fields.push_back({"kind", GeoType::kText});
   layer.fields.push_back({"label", GeoType::kText});
   layer.fields.push_back({"note", GeoType::kText});
+  layer.has_heights = std::any_of(map.landmarks->begin(), map.landmarks->end(),
+                                  [](const auto& l) { return l.z_sd_m > 0.0; });
+  if (layer.has_heights) {
+    layer.fields.push_back({"z_m", GeoType::kReal});
+    layer.fields.push_back({"z_sd_m", GeoType::kReal});
+  }
   file.begin_layer(layer);
   const mapping::KindCounts kinds(*map.landmarks);
   for (const mapping::Landmark& l : *map.landmarks) {
@@ -110,7 +116,13 @@ void write_landmarks(const MapLayers& map, LayerFile& file) {
     values.push_back(label_of(map, l));
     const std::string note = note_of(map, l.id);
     values.push_back(note.empty() ? GeoValue() : GeoValue(note));
-    file.add(values, {p_map});
+    std::optional<double> height_m;
+    if (l.z_sd_m > 0.0) height_m = l.z_m + (georeference ? georeference->altitude_m : 0.0);
+    if (layer.has_heights) {
+      values.push_back(height_m ? GeoValue(l.z_m) : GeoValue());
+      values.push_back(height_m ? GeoValue(l.z_sd_m) : GeoValue());
+    }
+    file.add(values, {p_map}, height_m);
   }
 }
 

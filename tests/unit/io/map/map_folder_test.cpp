@@ -153,6 +153,30 @@ TEST(MapGeopackage, OpensWithBothLayers) {
   EXPECT_EQ(path->GetFeatureCount(), 1);
 }
 
+TEST(MapGeopackage, APointIsAsHighAsItsGroundWhereThatIsKnown) {
+  const TestFolder folder;
+  MapFolderContent content = make_content(20);
+  content.landmarks[1].z_m = 2.5;
+  content.landmarks[1].z_sd_m = 0.05;
+  geometry::Georeference georeference;
+  georeference.latitude_deg = 48.0;
+  georeference.longitude_deg = 11.0;
+  georeference.altitude_m = 500.0;
+  content.georeference = georeference;
+  write_map_folder(folder.path(), content);
+  const auto dataset = opened(folder / "map.gpkg");
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* landmarks = dataset->GetLayerByName("landmarks");
+  const std::unique_ptr<OGRFeature> first(landmarks->GetFeature(1));
+  const std::unique_ptr<OGRFeature> second(landmarks->GetFeature(2));
+  EXPECT_FALSE(first->GetGeometryRef()->Is3D());
+  EXPECT_FALSE(first->IsFieldSetAndNotNull(first->GetFieldIndex("z_m")));
+  ASSERT_TRUE(second->GetGeometryRef()->Is3D());
+  EXPECT_DOUBLE_EQ(second->GetGeometryRef()->toPoint()->getZ(), 502.5);  // above the ellipsoid
+  EXPECT_DOUBLE_EQ(second->GetFieldAsDouble("z_m"), 2.5);
+  EXPECT_DOUBLE_EQ(second->GetFieldAsDouble("z_sd_m"), 0.05);
+}
+
 TEST(MapGeopackage, AHedgeIsAnAreaAsLongAndAsWideAsItIs) {
   const TestFolder folder;
   MapFolderContent content = make_content(4);

@@ -183,6 +183,7 @@ class Writer {
   std::string html() {
     write_counts();
     if (!inventory_.rows.empty()) write_rows();
+    if (mapping::has_slopes(inventory_)) write_slopes();
     write_diameters();
     write_picture();
     if (!inventory_.rows.empty()) write_gaps();
@@ -282,6 +283,20 @@ class Writer {
     table.rows.push_back(row_cells(texts_.total, inventory_.all, mapping::kGrowthOfAll));
     document_.add_table(table);
     write_late_rows();
+  }
+
+  void write_slopes() {
+    heading(texts_.slopes);
+    DocumentTable table;
+    table.head = {texts_.column_row, texts_.column_slope, texts_.column_slope_error,
+                  texts_.column_rise};
+    for (const RowInventory& row : inventory_.rows) {
+      if (!row.slope) continue;
+      table.rows.push_back({row_name(row.row), number(row.slope->percent, 1),
+                            number(row.slope->percent_sd, 1), number(row.slope->rise_m, 2)});
+    }
+    document_.parts.push_back(std::move(table));
+    text(texts_.slopes_note);
   }
 
   /// Says why rows begin with another number than the others.
@@ -470,6 +485,18 @@ std::vector<std::vector<std::string>> report_table(const ReportContent& content)
       table.front().push_back(name);
     }
   }
+  const bool has_slopes = mapping::has_slopes(inventory);
+  if (has_slopes) {
+    for (const char* name : {"slope_percent", "slope_sd_percent", "rise_m"}) {
+      table.front().push_back(name);
+    }
+  }
+  const auto add_slope = [&](const std::optional<mapping::RowSlope>& slope) {
+    if (!has_slopes) return;
+    table.back().push_back(slope ? fixed_text(slope->percent, 2) : "");
+    table.back().push_back(slope ? fixed_text(slope->percent_sd, 2) : "");
+    table.back().push_back(slope ? fixed_text(slope->rise_m, 3) : "");
+  };
   const auto line = [&](const std::string& name, const RowInventory& row, std::int32_t of) {
     std::string positions;
     for (const mapping::InventoryGap& gap : row.gaps) {
@@ -478,11 +505,12 @@ std::vector<std::vector<std::string>> report_table(const ReportContent& content)
     table.push_back({name, std::to_string(row.num_trees), std::to_string(row.gaps.size()),
                      positions, fixed_text(100.0 * row.diameter_mean_m, 2),
                      fixed_text(row.tcsa_cm2, 1), fixed_text(row.tcsa_sd_cm2, 1)});
-    if (!content.earlier) return;
+    if (!content.earlier) return add_slope(row.slope);
     const mapping::Growth g = growth_in(growth, of);
     table.back().push_back(std::to_string(g.num_pairs));
     table.back().push_back(fixed_text(g.tcsa_change_cm2, 1));
     table.back().push_back(fixed_text(g.percent(), 2));
+    add_slope(row.slope);
   };
   for (const RowInventory& row : inventory.rows) {
     line(csv_field(mapping::row_name(content.row_names, row.row)), row, row.row);

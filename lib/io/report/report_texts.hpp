@@ -71,6 +71,14 @@ struct ReportTexts {
   /// {}: the row, {}: a number
   const char* late_row = of("{} (begins at {})", "{} (empieza en {})");
   const char* total = of("all", "total");
+  // Slopes.
+  const char* slopes = of("How steep the rows are", "Pendiente de las filas");
+  const char* column_slope = of("slope, %", "pendiente, %");
+  const char* column_slope_error = of("± %", "± %");
+  const char* column_rise = of("rise, m", "desnivel, m");
+  const char* slopes_note =
+      of("From the first tree of a row to its last; below zero, the row goes down.",
+         "Del primer árbol de la fila al último; con signo menos, la fila baja.");
   // Diameters.
   const char* diameters = of("Trunk diameters", "Diámetro de los troncos");
   const char* diameter_axis = of("trunk diameter (cm)", "diámetro del tronco (cm)");

@@ -42,6 +42,8 @@ namespace {
 /// derived: probabilities as they are reported.
 constexpr double kSure = 0.95, kLikely = 0.8;
 constexpr int kClassesMax = 40;
+/// derived: heights of trees come from the way within some metres, and share what is wrong with it.
+constexpr double kSharedHeight_m = 8.0;
 
 /// Sums over trunks.
 struct Sum {
@@ -80,15 +82,45 @@ double tcsa_cm2(double diameter_m) {
   return 0.25 * geometry::kPi * diameter_cm * diameter_cm;
 }
 
+std::optional<RowSlope> row_slope(const std::vector<Landmark>& trees) {
+  // Along the row, which may be curved; both relative to the first height.
+  double along_m = 0.0, sum = 0.0, sum_s = 0.0, sum_z = 0.0, sum_ss = 0.0, sum_sz = 0.0;
+  const Landmark* first = nullptr;
+  int num = 0;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    const Landmark& l = trees[i];
+    if (i > 0) along_m += std::hypot(l.x_m - trees[i - 1].x_m, l.y_m - trees[i - 1].y_m);
+    if (!(l.z_sd_m > 0.0)) continue;
+    if (first == nullptr) first = &l;
+    const double weight = 1.0 / (l.z_sd_m * l.z_sd_m), z_m = l.z_m - first->z_m;
+    sum += weight, sum_s += weight * along_m, sum_z += weight * z_m;
+    sum_ss += weight * along_m * along_m, sum_sz += weight * along_m * z_m;
+    ++num;
+  }
+  const double spread_m2 = sum_ss - sum_s * sum_s / std::max(sum, 1e-12);
+  if (num < 3 || !(spread_m2 > 0.0)) return std::nullopt;
+  const double slope = (sum_sz - sum_s * sum_z / sum) / spread_m2;
+  const double num_independent = std::min<double>(num, 1.0 + along_m / kSharedHeight_m);
+  const double slope_sd = std::sqrt(num / (num_independent * spread_m2));
+  return RowSlope{100.0 * slope, 100.0 * slope_sd, slope * along_m};
+}
+
+bool has_slopes(const Inventory& inventory) {
+  return std::any_of(inventory.rows.begin(), inventory.rows.end(),
+                     [](const RowInventory& row) { return row.slope.has_value(); });
+}
+
 Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
   Inventory inventory;
   inventory.kinds = KindCounts(landmarks);
   std::map<std::int32_t, Sum> rows;
+  std::map<std::int32_t, std::map<std::int32_t, Landmark>> trees_of;  // by row and position
   Sum all, other;
   std::vector<double> position_se_m, width_sd_m;
   for (const Landmark& l : landmarks) {
     const Kind kind = kind_of(l);
     if (kind == Kind::kTree) rows[l.row].add(l);
+    if (kind == Kind::kTree && l.position > 0) trees_of[l.row].emplace(l.position, l);
     if (kind == Kind::kTrunk && inventory.kinds.has_rows()) other.add(l);
     if (!inventory.kinds.counts(kind)) continue;
     all.add(l);
@@ -105,6 +137,9 @@ Inventory compute_inventory(const std::vector<Landmark>& landmarks) {
     RowInventory row = rows.at(slots.number).done();
     row.row = slots.number;
     add_slots(slots, row);
+    std::vector<Landmark> trees;
+    for (const auto& [position, l] : trees_of[slots.number]) trees.push_back(l);
+    row.slope = row_slope(trees);
     inventory.all.gaps.insert(inventory.all.gaps.end(), row.gaps.begin(), row.gaps.end());
     inventory.rows.push_back(std::move(row));
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "mapping/compare/map_comparison.hpp"
@@ -39,6 +40,17 @@ struct InventoryGap {
   Eigen::Vector2d p_map{0, 0};  ///< interpolated between its neighbours
 };
 
+/// How steep a row is, from its first tree to its last.
+struct RowSlope {
+  double percent = 0.0;     ///< rise per 100 m
+  double percent_sd = 0.0;  ///< neighbours share their errors
+  double rise_m = 0.0;      ///< from the first tree to the last, by the slope
+};
+
+/// The line that fits the heights of a row's trees best; none with fewer than three heights.
+/// `trees`: in order of position.
+std::optional<RowSlope> row_slope(const std::vector<Landmark>& trees);
+
 /// Trunks of one row, or of several together.
 struct RowInventory {
   std::int32_t row = 0;  ///< 0: of several
@@ -49,6 +61,7 @@ struct RowInventory {
   double tcsa_cm2 = 0.0;     ///< total trunk cross-sectional area of the measured trees
   double tcsa_sd_cm2 = 0.0;  ///< from width_sd_m; without the error common to all
   std::int32_t first_position = 0, last_position = 0;  ///< 0: no numbered tree
+  std::optional<RowSlope> slope;                       ///< of one row with heights
 };
 
 /// Number of trees with a probability of at least 95 %, between, and below 80 %.
@@ -67,6 +80,9 @@ struct Inventory {
   double position_se_median_m = 0.0;  ///< the larger of x and y
   double width_sd_median_m = 0.0;     ///< of trunks with a width_sd_m
 };
+
+/// Whether the slope of any row is known.
+bool has_slopes(const Inventory& inventory);
 
 Inventory compute_inventory(const std::vector<Landmark>& landmarks);
 

@@ -60,7 +60,7 @@ nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& tabl
         std::istringstream positions(cell);
         for (std::int32_t position; positions >> position;) row[name].push_back(position);
       } else {
-        row[name] = Json::parse(cell);
+        row[name] = cell.empty() ? Json() : Json::parse(cell);
       }
     }
     rows.push_back(std::move(row));

@@ -126,6 +126,28 @@ def main(bin_folder, rig, folder):
     numbered, plain = (letters_of_the_block(path) for path in (out, os.path.join(bare, "report")))
     assert numbered - plain >= in_rows > 20, (numbered, plain, in_rows)
 
+    # On a plane of 5 % and 8 % every row is as steep as its line, from its first tree to its last; one height is unknown.
+    sloping = os.path.join(folder, "sloping")
+    os.makedirs(sloping)
+    with open(os.path.join(sloping, "map.csv"), "w", newline="") as file:
+        writer = csv.DictWriter(file, landmarks[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        for k, landmark in enumerate(landmarks):
+            z_m = 0.05 * float(landmark["x_m"]) + 0.08 * float(landmark["y_m"])
+            writer.writerow({**landmark, "z_m": f"{z_m:.4f}" if k else "", "z_sd_m": "0.05" if k else ""})
+    told = json.loads(orchard(bin_folder, "report", sloping, "--json").stdout)
+    for row in told["rows"]:
+        if row["row"] in ("all", "other_trunks"):
+            assert row["slope_percent"] is None, row
+            continue
+        trees = sorted((int(l["position"]), float(l["x_m"]), float(l["y_m"])) for l in landmarks
+                       if l["class"] == "tree" and l["row"] == str(row["row"]) and l["position"])
+        dx, dy = trees[-1][1] - trees[0][1], trees[-1][2] - trees[0][2]
+        assert abs(row["slope_percent"] - 100 * (0.05 * dx + 0.08 * dy) / math.hypot(dx, dy)) < 0.2, row
+        assert 0 < row["slope_sd_percent"] < 2, row
+    assert "How steep the rows are" in page_text(os.path.join(sloping, "report", "report.html"))
+    assert "How steep" not in text or landmarks[0]["z_m"], text
+
     # For machines: the table again.
     told = json.loads(orchard(bin_folder, "report", here, "--json").stdout)
     assert told["files"] == ["report.html", "report.csv"] and os.path.samefile(told["folder"], out), told
@@ -136,7 +158,7 @@ def main(bin_folder, rig, folder):
             if name == "empty_positions":
                 assert row[name] == [int(k) for k in cell.split()], row
             else:
-                assert str(row[name]) == cell if name == "row" else row[name] == float(cell), (name, row)
+                assert str(row[name]) == cell if name == "row" else row[name] == (float(cell) if cell else None), (name, row)
 
     # The same map, the same bytes; other words, the same numbers.
     again, spanish = os.path.join(folder, "again"), os.path.join(folder, "informe")

@@ -61,6 +61,25 @@ TEST(Inventory, CountsTreesGapsAndAreasByRow) {
   EXPECT_EQ(inventory.certainty.num_unsure, 1);
 }
 
+TEST(Inventory, ARowIsAsSteepAsItsTreesRise) {
+  std::vector<Landmark> map;
+  for (int i = 1; i <= 11; ++i) {  // 20 m, a tree every 2 m, rising by 8 %
+    map.push_back(tree(i, 1, i, 0.10));
+    map.back().z_m = 300.0 + 0.16 * i;
+    map.back().z_sd_m = 0.05;
+  }
+  map[4].z_m = 0.0, map[4].z_sd_m = 0.0;  // unknown
+  map[6].z_m += 10.0, map[6].z_sd_m = 10.0;
+  const auto slope = compute_inventory(map).rows.at(0).slope;
+  ASSERT_TRUE(slope);
+  EXPECT_NEAR(slope->percent, 8.0, 0.01);
+  EXPECT_NEAR(slope->rise_m, 1.6, 0.002);
+  // 0.05 m, 6.3 m (root mean square) from the middle, of as many trees as are 8 m apart.
+  EXPECT_NEAR(slope->percent_sd, 100.0 * 0.05 / 6.3 / std::sqrt(1.0 + 20.0 / 8.0), 0.1);
+  for (std::size_t i = 2; i < map.size(); ++i) map[i].z_sd_m = 0.0;
+  EXPECT_FALSE(compute_inventory(map).rows.at(0).slope) << "two heights tell no error";
+}
+
 TEST(Inventory, TrunksInNoRowAreApartAndInNoSum) {
   std::vector<Landmark> map{tree(1, 1, 1, 0.10), tree(2, 1, 2, 0.10), tree(3, 0, 0, 0.90),
                             tree(4, 0, 0, 0.80)};

@@ -103,6 +103,11 @@ std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
     add_number("length", &Landmark::length_m, 3);
     add_number("direction", &Landmark::direction_rad, 4);
   }
+  const auto has_height = [](const Landmark& l) { return l.z_sd_m > 0.0; };
+  if (std::any_of(landmarks.begin(), landmarks.end(), has_height)) {
+    add_number("z", &Landmark::z_m, 3);
+    add_number("z_sd", &Landmark::z_sd_m, 4);
+  }
   add("row", [](const Landmark& l) { return std::to_string(l.row); });
   add("position", [](const Landmark& l) { return std::to_string(l.position); });
   if (georeference) {

@@ -68,7 +68,7 @@ class App {
   // Updates everything except the canvas after the map has changed.
   showAll() {
     showSummary(this.model, this.data);
-    showLegend(this.theme, this.painter.shown, () => this.redraw(), this.model.hasBackground);
+    showLegend(this.theme, this.painter.shown, this.model, () => this.redraw());
     showRows(this.model, (row) => this.showRow(row));
     showNorth(this.model.georeference);
     this.redraw();
@@ -76,7 +76,7 @@ class App {
 
   recolour() {
     if (!this.painter) return; // during construction
-    showLegend(this.theme, this.painter.shown, () => this.redraw(), this.model.hasBackground);
+    showLegend(this.theme, this.painter.shown, this.model, () => this.redraw());
     this.redraw();
   }
 

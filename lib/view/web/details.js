@@ -31,6 +31,7 @@ function landmarkFacts(model, i) {
   }
   if (model.isHedge(i)) facts.push(["Length", `${c.length[i].toFixed(1)} m`]);
   facts.push(["Position x, y", `${c.x[i].toFixed(3)}, ${c.y[i].toFixed(3)} m`]);
+  if (c.z_sd[i] > 0) facts.push(["Height of the ground", `${c.z[i].toFixed(2)} ± ${c.z_sd[i].toFixed(2)} m`]);
   if (c.se_x[i] > 0 || c.se_y[i] > 0) {
     facts.push(["Standard error", `${(1000 * c.se_x[i]).toFixed(1)}, ${(1000 * c.se_y[i]).toFixed(1)} mm`]);
   }

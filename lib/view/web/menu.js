@@ -10,7 +10,6 @@ const kLayers = [
   ["ways", "Aisles and headland paths, with free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
   ["paths", "The robot's path", (c, t) => drawKeyLine(c, t.colours.path, 2)],
   ["labels", "Numbers", (c, t) => drawKeyText(c, t.colours.text)],
-  ["background", "The picture beneath", (c, t) => drawKeyLine(c, t.colours.gap, 9)],
 ];
 
 function drawKeyLine(context, colour, width) {
@@ -38,8 +37,27 @@ function keyPicture(draw, theme) {
   return canvas;
 }
 
-function showLegend(theme, shown, changed, hasBackground) {
-  const lines = kLayers.filter(([layer]) => layer !== "background" || hasBackground).map(([layer, words, draw]) => {
+// From the lowest ground to the highest.
+function drawKeyHeights(context, theme) {
+  for (let x = 2; x < 24; x += 2) {
+    context.fillStyle = theme.colourOfHeight((x - 2) / 20);
+    context.fillRect(x, 3, 2, 12);
+  }
+}
+
+// The layers that this map has.
+function layersOf({ heights, hasBackground }) {
+  const layers = kLayers.slice();
+  if (hasBackground) layers.push(["background", "The picture beneath", (c, t) => drawKeyLine(c, t.colours.gap, 9)]);
+  if (heights) {
+    const words = `Height of the ground, ${heights.low.toFixed(1)} to ${heights.high.toFixed(1)}\u00a0m`;
+    layers.push(["heights", words, drawKeyHeights]);
+  }
+  return layers;
+}
+
+function showLegend(theme, shown, model, changed) {
+  const lines = layersOf(model).map(([layer, words, draw]) => {
     const box = element("input", { type: "checkbox", checked: shown[layer] });
     box.dataset.layer = layer;
     box.addEventListener("change", () => { shown[layer] = box.checked; changed(); });

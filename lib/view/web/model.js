@@ -131,6 +131,22 @@ class MapModel {
     this.byPlace_ = null;
     this.hedges_ = null;
     this.box_ = null;
+    this.heights_ = undefined;
+  }
+
+  // The lowest and the highest ground at landmarks whose height is known; null without any. Tiles
+  // of a large map tell of their part only.
+  get heights() {
+    if (this.heights_ === undefined) {
+      const { z, z_sd } = this.columns;
+      let low = Infinity, high = -Infinity;
+      for (let i = 0; i < this.count; ++i) {
+        if (!(z_sd[i] > 0)) continue;
+        low = Math.min(low, z[i]); high = Math.max(high, z[i]);
+      }
+      this.heights_ = low <= high && !this.tiles ? { low, high } : null;
+    }
+    return this.heights_;
   }
 
   // Hedges and walls as centre lines: { i, ax, ay, bx, by }.
@@ -280,4 +296,4 @@ class MapModel {
 }
 
 MapModel.columnNames = ["id", "label", "x", "y", "n", "roc", "probability", "se_x", "se_y", "width", "width_sd", "row",
-  "position", "latitude", "longitude", "length", "direction"];
+  "position", "latitude", "longitude", "length", "direction", "z", "z_sd"];

@@ -7,7 +7,7 @@ class Painter {
     this.view = view;
     this.theme = theme;
     this.shown = { trees: true, trunks: true, objects: true, unseen: true, rows: true, gaps: true, ways: true, paths: true,
-      labels: true, background: true, robot: true, scan: true };
+      labels: true, background: true, robot: true, scan: true, heights: false };
     this.selected = -1;
     this.selectedGap = null;
     this.dots = new DotLayer();
@@ -41,6 +41,7 @@ class Painter {
     const background = this.shown.background && this.model.background;
     if (background) brush.paintBackground(background);
     if (this.shown.ways) brush.paintWays(background ? 0.35 : 1);
+    if (this.shown.heights) brush.paintHeights();
     if (this.shown.rows) brush.paintRows();
     if (this.shown.paths) brush.paintPaths();
     if (this.shown.gaps) brush.paintGaps();

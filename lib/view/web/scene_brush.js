@@ -9,6 +9,9 @@ const kScaleOfIds = 50;
 // Opacity of hedges, so that landmarks within them remain visible.
 const kHedgeFade = 0.6;
 
+// Around a landmark the ground is shaded by its height as far as this: the trees of a row are joined.
+const kHeightReach_m = 2.5;
+
 class SceneBrush {
   constructor(context, view, ratio, painter) {
     Object.assign(this, { context, view, ratio, model: painter.model, theme: painter.theme, shown: painter.shown,
@@ -39,6 +42,19 @@ class SceneBrush {
     context.strokeStyle = theme.colours.grid;
     context.lineWidth = 1;
     context.stroke();
+  }
+
+  paintHeights() {
+    const { context, view, model, theme } = this;
+    if (!model.heights) return;
+    const { low, high } = model.heights, { x, y, z, z_sd } = model.columns;
+    for (const i of model.inBox(view.box(kHeightReach_m * view.scale)) || x.keys()) {
+      if (!(z_sd[i] > 0)) continue;
+      context.fillStyle = theme.colourOfHeight((z[i] - low) / Math.max(0.01, high - low));
+      context.beginPath();
+      context.arc(view.toScreenX(x[i]), view.toScreenY(y[i]), kHeightReach_m * view.scale, 0, 2 * Math.PI);
+      context.fill();
+    }
   }
 
   // Adds a line [x, y, x, y ...] in metres to the current path, without points beyond the edges or

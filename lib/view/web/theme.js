@@ -1,7 +1,7 @@
 // Colours, read from the style sheet for use on the canvas.
 
 const kColourNames = ["ground", "grid", "text", "soft", "tree", "trunk", "object", "unseen", "path", "gap", "way", "row",
-  "mark", "scan"];
+  "mark", "scan", "low", "high"];
 
 class Theme {
   constructor(onChange) {
@@ -21,6 +21,11 @@ class Theme {
   }
 
   toggle() { this.apply(!this.isDark); }
+
+  // Of a part of the way from the lowest ground to the highest.
+  colourOfHeight(part) {
+    return `color-mix(in srgb, ${this.colours.high} ${Math.round(100 * part)}%, ${this.colours.low})`;
+  }
 
   colourOfKind(kind) {
     return [this.colours.tree, this.colours.object, this.colours.unseen, this.colours.trunk][kind];

@@ -79,6 +79,17 @@ def check_page(page, url, landmarks):
           return n; };
         return [number(app.theme.colours.tree), number(app.theme.colours.object)];""")
     assert min(shown) > 20, shown
+    # The ground is shaded where heights are known, once that is switched on.
+    assert page.run("return document.querySelector('[data-layer=heights]')") is None
+    looks = page.run("""
+        const app = orchardApp, c = app.model.columns;
+        c.x.forEach((x, i) => { c.z[i] = 10 + x; c.z_sd[i] = i === 0 ? 0 : 0.1; });
+        app.model.touch(); app.showAll(); app.paintNow();
+        const plain = app.canvas.toDataURL(), box = document.querySelector('[data-layer=heights]');
+        box.click(); app.paintNow();
+        const most = Math.max(...c.z.filter((_, i) => c.z_sd[i] > 0)).toFixed(1);
+        return [plain !== app.canvas.toDataURL(), box.parentElement.textContent.includes(`to ${most}\u00a0m`)];""")
+    assert looks == [True, True], looks
     assert page.run("return document.title") == NASTY, "a name was executed"
     assert page.errors() == [], page.errors()
     requests = page.requests()

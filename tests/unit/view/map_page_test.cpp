@@ -73,6 +73,7 @@ TEST(MapData, HasEveryLandmarkInColumns) {
   for (const auto& [name, column] : columns.items()) EXPECT_EQ(column.size(), 3u) << name;
   EXPECT_FALSE(columns.contains("length")) << "nothing is longer than wide";
   EXPECT_FALSE(columns.contains("latitude")) << "its place on the earth is not known";
+  EXPECT_FALSE(columns.contains("z")) << "no height is known";
   EXPECT_EQ(read["rows"][0]["line"], json({0.0, 0.0, 0.0, 3.0}));
   EXPECT_EQ(read["rows"][0]["gaps"], json::parse("[[2, 0.0, 1.5]]"));
   EXPECT_EQ(read["ways"][0]["line"], json({1.0, 2.0, 3.0, 4.0}));

@@ -92,6 +92,28 @@ void count(MapEvaluation& evaluation) {
   evaluation.se_y_mean_m /= evaluation.trees.num;
 }
 
+/// `offset_m`: of the map's heights.
+void judge_heights(double offset_m, MapEvaluation& evaluation) {
+  std::vector<double> errors_m;
+  evaluation.height_nees = 0.0;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    if (!object.has_heights()) continue;
+    errors_m.push_back(object.height_error_m() - offset_m);
+    evaluation.height_nees += std::pow(errors_m.back() / object.landmark->z_sd_m, 2);
+  }
+  if (!errors_m.empty()) evaluation.height_nees /= static_cast<double>(errors_m.size());
+  for (double& error_m : errors_m) error_m = std::abs(error_m);
+  evaluation.heights = error_statistics(std::move(errors_m));
+}
+
+double mean_height_error_m(const MapEvaluation& evaluation) {
+  double sum_m = 0.0;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    if (object.has_heights()) sum_m += object.height_error_m();
+  }
+  return sum_m / std::max(1, evaluation.heights.num);
+}
+
 void count_duplicates(MapEvaluation& evaluation) {
   // Sorted by x: for an extra landmark only trees within the gate's band are visited.
   std::vector<Point> trees;
@@ -133,6 +155,7 @@ MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
   match(landmarks, evaluation);
   count(evaluation);
   count_duplicates(evaluation);
+  judge_heights(0.0, evaluation);
   return evaluation;
 }
 
@@ -157,6 +180,7 @@ MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmar
     landmark.y_m = p.y_m;
   }
   MapEvaluation evaluation = evaluate_map(moved, truth, gate_m);
+  judge_heights(mean_height_error_m(evaluation), evaluation);
   evaluation.unaligned = Unaligned{T_truth_map, as_it_came.trees.num, as_it_came.trees};
   return evaluation;
 }
@@ -225,6 +249,12 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
   text += fmt::format("error against truth: RMS {:.2f} mm, mean {:.2f} mm, largest {:.2f} mm\n",
                       kMmPerM * evaluation.all.rmse, kMmPerM * evaluation.all.mean,
                       kMmPerM * evaluation.all.max);
+  if (evaluation.heights.num > 0) {
+    text += fmt::format(
+        "heights of {}: RMS {:.1f} mm, largest {:.1f} mm, squared error over the claim {:.2f}\n",
+        evaluation.heights.num, kMmPerM * evaluation.heights.rmse, kMmPerM * evaluation.heights.max,
+        evaluation.height_nees);
+  }
   if (evaluation.unaligned) {
     const Unaligned& before = *evaluation.unaligned;
     text += fmt::format("trees: missed {} of {}, mapped twice {}, error RMS {:.2f} mm\n",
@@ -305,6 +335,10 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
                     {"se_x_mean_m", evaluation.se_x_mean_m},
                     {"se_y_mean_m", evaluation.se_y_mean_m},
                     {"confusion", confusion_json(evaluation)}};
+  if (evaluation.heights.num > 0) {
+    json["error_heights"] = errors_json<ordered_json>(evaluation.heights);
+    json["height_nees"] = evaluation.height_nees;
+  }
   if (evaluation.unaligned) {
     const geometry::Pose2& t = evaluation.unaligned->T_truth_map;
     json["aligned_by"] = {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,12 @@ struct EvaluatedObject {
   double error_x_m = 0.0;  ///< landmark minus truth; 0 when missed
   double error_y_m = 0.0;
   double error_m = 0.0;  ///< norm of the error
+
+  /// Whether map and truth know the height of the ground there.
+  bool has_heights() const {
+    return landmark && landmark->z_sd_m > 0.0 && std::isfinite(truth.z_m);
+  }
+  double height_error_m() const { return landmark->z_m - truth.z_m; }
 
   /// True if found with the right class.
   bool right_class() const { return landmark && landmark->label == truth.label; }
@@ -50,6 +57,10 @@ struct MapEvaluation {
   std::optional<Unaligned> unaligned;
   ErrorStatistics all;  ///< position errors of all matched objects [m]
   ErrorStatistics trees;
+  /// Errors of the matched objects' heights [m], where map and truth know them; of an aligned map
+  /// without their mean.
+  ErrorStatistics heights;
+  double height_nees = 0.0;     ///< mean of (height error / z_sd_m)^2: 1 if the claim is true
   double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
   double se_x_mean_m = 0.0;     ///< mean standard errors of the matched trees
   double se_y_mean_m = 0.0;

@@ -2,6 +2,7 @@
 #include "io/recording/truth_csv.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "geometry/angles.hpp"
@@ -61,7 +62,8 @@ std::vector<TruthObject> read_truth_csv(const std::string& path) {
     object.x_m = csv.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);
     object.y_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
     object.width_m = csv.number_in(3, 0.0, kMaxWidth_m);
-    if (has_heights) object.z_m = csv.number_in(4, -kMaxCoordinate_m, kMaxCoordinate_m);
+    object.z_m = has_heights ? csv.number_in(4, -kMaxCoordinate_m, kMaxCoordinate_m)
+                             : std::numeric_limits<double>::quiet_NaN();
     truth.push_back(object);
   }
   return truth;

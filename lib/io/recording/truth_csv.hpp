@@ -13,9 +13,9 @@ namespace orchard::io {
 /// Heights in true files: of ground that is not level.
 enum class Heights { kNone, kWritten };
 
-/// Reads `class,x_m,y_m,width_m`, optionally `z_m` (class tree or object; map frame). The objects
-/// are named T1, T2
-/// ... and B1, B2 ... in the file's order. Throws FileError naming file, line and column.
+/// Reads `class,x_m,y_m,width_m`, optionally `z_m` (class tree or object; map frame; NaN without
+/// the column). The objects are named T1, T2 ... and B1, B2 ... in the file's order. Throws
+/// FileError naming file, line and column.
 std::vector<simulation::TruthObject> read_truth_csv(const std::string& path);
 
 /// Writes the same format atomically. Throws FileError.

@@ -40,6 +40,25 @@ Landmark landmark(int id, Label label, double x_m, double y_m) {
   return found;
 }
 
+TEST(EvaluateMap, HeightsAreJudgedWhereBothKnowThem) {
+  std::vector<TruthObject> truth{thing(Label::kTree, 0.0, 0.0), thing(Label::kTree, 5.0, 0.0),
+                                 thing(Label::kTree, 9.0, 4.0)};
+  std::vector<Landmark> map{landmark(1, Label::kTree, 0.0, 0.0),
+                            landmark(2, Label::kTree, 5.0, 0.0),
+                            landmark(3, Label::kTree, 9.0, 4.0)};
+  truth[0].z_m = 1.0, truth[1].z_m = 2.0;
+  map[0].z_m = 1.3, map[0].z_sd_m = 0.1;
+  map[1].z_m = 1.9, map[1].z_sd_m = 0.1;
+  const MapEvaluation evaluation = evaluate_map(map, truth, 0.3);
+  EXPECT_EQ(evaluation.heights.num, 2);
+  EXPECT_NEAR(evaluation.heights.rmse, std::sqrt((0.09 + 0.01) / 2), 1e-12);
+  EXPECT_NEAR(evaluation.height_nees, (9.0 + 1.0) / 2, 1e-9);
+  const MapEvaluation aligned = evaluate_aligned_map(map, truth, 0.3);
+  EXPECT_NEAR(aligned.heights.rmse, 0.2, 1e-9) << "without the mean of 0.1 m";
+  for (TruthObject& object : truth) object.z_m = std::nan("");  // as read without the column
+  EXPECT_EQ(evaluate_map(map, truth, 0.3).heights.num, 0);
+}
+
 TEST(EvaluateMap, ErrorsAreThoseOfThePlaces) {
   const std::vector<TruthObject> truth{thing(Label::kTree, 1.0, 2.0),
                                        thing(Label::kTree, 5.0, 0.0)};

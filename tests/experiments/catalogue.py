@@ -246,6 +246,16 @@ EXPERIMENTS = {
             "alone); random blocks with bushes, hedges and posts: with the planted rows", "all; all",
             "1001 and up / 1-500"),
     ]),
+    "heights": Experiment("Maps", seeds=(1, 6), trial=trials.heights, rows=[
+        Row("rms most", "heights of the ground at trees and posts of `config/hills.yaml`, by altitudes of RTK (0.04 m, one sigma) and the "
+            "tilt, on slopes of 0, 5, 10, 15, 25 % with bumps that pitch the body by 3 degrees: error, RMS, in mm; of the worst drive",
+            "150", "1001 / 1-6"),
+        Row("over_claim", "the same: squared error over the claimed variance (1 if true)", "", "1001 / 1-6",
+            "Fixes err independently here; the claim allows for half of their variance in common."),
+        Row("slope", "the same: slope of a row, error of the worst row, in per cent", "0.5", "1001 / 1-6"),
+        Row("alone_rms alone_most alone_over_claim alone_slope", "by altitudes alone (`laser.height_m: 0`, no tilt): the same four", "",
+            "1001 / 1-6"),
+    ]),
     "free_ways": Experiment("Maps", seeds=(1, 20), trial=trials.free_ways, rows=[
         Row("simulated real",
             "simulated orchards all of whose ways keep 0.3 m from rims and true things; Pullally's drives, every "

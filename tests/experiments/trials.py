@@ -408,15 +408,17 @@ def held_for_trees(folder, drive, gate_m=0.3):
     return len(trees), len(held), len(used_trees)
 
 
-def hills(lab, seeds):
-    """Three rows, up and down a hill that is steeper along them than across, as 4 to 3; levelled, and taken as level."""
-    def rig(slope, bumps):
-        return lab.rig("hills", {"simulation.orchard.num_rows": 3, "simulation.terrain.slope_along_percent": 0.8 * slope, **DATUM,
-                                 "simulation.terrain.slope_across_percent": 0.6 * slope, "simulation.terrain.roughness_m3": bumps})
+def hill_rig(lab, slope, bumps_m3):
+    """Three rows, up and down a hill that is steeper along them than across, as 4 to 3."""
+    return lab.rig("hills", {"simulation.orchard.num_rows": 3, "simulation.terrain.slope_along_percent": 0.8 * slope, **DATUM,
+                             "simulation.terrain.slope_across_percent": 0.6 * slope, "simulation.terrain.roughness_m3": bumps_m3})
 
+
+def hills(lab, seeds):
+    """Levelled, and taken as level."""
     def one(case):
         slope, bumps, seed = case
-        of = rig(slope, BUMPS_M3[bumps])
+        of = hill_rig(lab, slope, BUMPS_M3[bumps])
         drive = lab.drive(of, seed)
         maps = [lab.map(drive, lab.rig(of, changes), "--quiet") for changes in ({}, {"laser.height_m": 0.0})]
         tilt = json.loads(lab.run("attitude_trials", drive / "drive.lcm", drive / "poses.csv"))
@@ -446,6 +448,55 @@ def hills(lab, seeds):
     figures["tilt"] = f"{math.degrees(math.sqrt(mean(t['rms_rad'] ** 2 for t in tilts))):.2f}"
     figures["tilt_most"] = f"{math.degrees(max(t['rms_rad'] for t in tilts)):.2f}"
     figures["tilt_over_claim"] = f"{mean(t['over_claim'] for t in tilts):.2f}"
+    return figures
+
+
+def slope_errors(folder, drive):
+    """Of each row, in percent: the line through its trees' heights, beside that through the true heights of the same trees."""
+    def percent(points):
+        along = [0.0]
+        for (a, _), (b, _) in zip(points, points[1:]):
+            along.append(along[-1] + math.dist(a, b))
+        middle, level = mean(along), mean(z for _, z in points)
+        return 100 * sum((s - middle) * (z - level) for s, (_, z) in zip(along, points)) / sum((s - middle) ** 2 for s in along)
+
+    def point(row):
+        return (float(row["x_m"]), float(row["y_m"])), float(row["z_m"])
+
+    trees = [point(row) for row in rows_of(drive / "truth.csv") if row["class"] == "tree"]
+    rows = {}
+    for row in rows_of(folder / "map.csv"):
+        if row["row"] and row["position"] and row["z_m"]:
+            rows.setdefault(row["row"], []).append((int(row["position"]), point(row)))
+    errors = []
+    for row in rows.values():
+        found = [p for _, p in sorted(row)]
+        pairs = [(p, min(trees, key=lambda t: math.dist(t[0], p[0]))) for p in found]
+        pairs = [(p, t) for p, t in pairs if math.dist(p[0], t[0]) < 0.3]
+        if len(pairs) > 2:
+            errors.append(abs(percent([p for p, _ in pairs]) - percent([t for _, t in pairs])))
+    return errors
+
+
+def heights(lab, seeds):
+    """Altitudes of RTK with the tilt, and alone."""
+    def one(case):
+        slope, seed = case
+        of = hill_rig(lab, slope, BUMPS_M3[3])
+        drive = lab.drive(of, seed)
+        maps = [lab.map(drive, lab.rig(of, changes), "--quiet") for changes in ({}, {"laser.height_m": 0.0})]
+        return [(lab.judged(m, drive, align=False), slope_errors(m, drive)) for m in maps]
+
+    cases = [(slope, seed) for slope in SLOPES_PERCENT for seed in seeds]
+    judged = dict(zip(cases, lab.each(cases, one)))
+    figures = {}
+    for how, name in enumerate(("", "alone_")):
+        of = {slope: [judged[slope, seed][how] for seed in seeds] for slope in SLOPES_PERCENT}
+        heights_of = {slope: [m["error_heights"] for m, _ in maps] for slope, maps in of.items()}
+        figures[f"{name}rms"] = span((1e3 * rms(h["rms_m"] for h in maps) for maps in heights_of.values()), 0)
+        figures[f"{name}most"] = span((1e3 * max(h["rms_m"] for h in maps) for maps in heights_of.values()), 0)
+        figures[f"{name}over_claim"] = span((mean(m["height_nees"] for m, _ in maps) for maps in of.values()), 2)
+        figures[f"{name}slope"] = span((max(max(errors) for _, errors in maps) for maps in of.values()), 2)
     return figures
 
 

@@ -223,6 +223,15 @@ Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b) {
   return l;
 }
 
+std::vector<Landmark> raised(std::vector<Landmark> landmarks,
+                             const std::optional<double>& raise_m) {
+  for (Landmark& l : landmarks) {
+    if (!raise_m) l.z_sd_m = 0.0;
+    l.z_m = l.z_sd_m > 0.0 ? l.z_m + *raise_m : 0.0;
+  }
+  return landmarks;
+}
+
 Landmark merged_landmark(const Landmark& a, const Landmark& b) {
   Landmark l = a;
   if (a.z_sd_m > 0.0 && b.z_sd_m > 0.0) {

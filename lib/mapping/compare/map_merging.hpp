@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "geometry/pose2.hpp"
 #include "mapping/compare/map_alignment.hpp"
@@ -58,6 +60,10 @@ struct MergedId {
 /// landmarks, in order.
 std::vector<MergedId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
                                  const MapAlignment& alignment);
+
+/// Landmarks with heights above an origin that is lower by `raise_m`; none: nobody knows by how
+/// much, and the heights become unknown.
+std::vector<Landmark> raised(std::vector<Landmark> landmarks, const std::optional<double>& raise_m);
 
 /// Transforms a landmark from frame b to frame a: position, standard errors and covariance.
 Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b);

@@ -67,22 +67,14 @@ Whole begin_with(const std::vector<io::StoredMap>& maps, std::size_t first,
   return whole;
 }
 
-/// The landmarks of a map with heights above the origin of another one; without heights unless both
-/// know the altitude of theirs.
-std::vector<mapping::Landmark> raised(const io::StoredMap& map, const io::StoredMap& to) {
-  std::vector<mapping::Landmark> landmarks = map.landmarks;
-  const bool is_known = map.georeference && to.georeference;
-  const double by_m = is_known ? map.georeference->altitude_m - to.georeference->altitude_m : 0.0;
-  for (mapping::Landmark& l : landmarks) {
-    l.z_m += by_m;
-    if (!is_known) l.z_m = l.z_sd_m = 0.0;
-  }
-  return landmarks;
-}
-
 void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignment& alignment,
              const MergeOptions& options, Whole& whole) {
-  whole.ids_of_map[k] = mapping::merge_into(whole.merged, raised(map, whole.map), alignment);
+  std::optional<double> raise_m;
+  if (map.georeference && whole.map.georeference) {
+    raise_m = map.georeference->altitude_m - whole.map.georeference->altitude_m;
+  }
+  const auto landmarks = mapping::raised(map.landmarks, raise_m);
+  whole.ids_of_map[k] = mapping::merge_into(whole.merged, landmarks, alignment);
   whole.laid.push_back(fmt::format(
       "{}: aligned on {} trunks with a residual of {:.0f} mm (RMS); moved by {:.3f} m, {:.3f} m "
       "and {:.3f} degrees",

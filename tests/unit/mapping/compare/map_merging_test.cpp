@@ -83,7 +83,10 @@ TEST(Merging, HeightsAreWeightedWhereBothAreKnown) {
   b.z_m = 2.0, b.z_sd_m = 0.2;
   EXPECT_NEAR(merged_landmark(a, b).z_m, 1.2, 1e-12);  // four to one
   EXPECT_NEAR(merged_landmark(a, b).z_sd_m, 0.2 / std::sqrt(5.0), 1e-12);
+  EXPECT_EQ(raised({a}, 2.5)[0].z_m, 3.5);
+  EXPECT_EQ(raised({a}, std::nullopt)[0].z_sd_m, 0.0);
   const Landmark unknown;
+  EXPECT_EQ(raised({unknown}, 2.5)[0].z_m, 0.0);
   for (const Landmark& l : {merged_landmark(a, unknown), merged_landmark(unknown, a)}) {
     EXPECT_EQ(l.z_m, 1.0);
     EXPECT_EQ(l.z_sd_m, 0.1);

@@ -153,7 +153,9 @@ std::string geometry_blob(GeoGeometry geometry, int system_id,
   blob += number_bytes(kLittleEndian);
   const bool is_area = !is_point && geometry == GeoGeometry::kArea;
   constexpr std::uint32_t kWithHeight = 1000;  // of ISO's WKB
-  blob += number_bytes(std::uint32_t{is_point ? 1u : is_area ? 3u : 2u} +
+  blob += number_bytes(std::uint32_t{is_point  ? 1u
+                                     : is_area ? 3u
+                                               : 2u} +
                        (height_m ? kWithHeight : 0));
   if (is_area) blob += number_bytes(std::uint32_t{1});  // one ring
   if (!is_point)

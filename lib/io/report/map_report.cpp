@@ -295,7 +295,7 @@ class Writer {
       table.rows.push_back({row_name(row.row), number(row.slope->percent, 1),
                             number(row.slope->percent_sd, 1), number(row.slope->rise_m, 2)});
     }
-    document_.parts.push_back(std::move(table));
+    document_.add_table(table);
     text(texts_.slopes_note);
   }
 

@@ -24,8 +24,8 @@ CostLine line_of(const std::vector<CostSample>& samples, double CostSample::*cos
 }  // namespace
 
 CostFit fit_costs(const std::vector<CostSample>& samples) {
-  // Before the first map: three times the cost of a map of the simulated orchard.
-  if (samples.empty()) return {{3.0, 0.1}, {300.0, 2.0}};
+  // Before the first step: three times the cost of a short map of the simulated orchard.
+  if (samples.empty()) return {{0.75, 0.1}, {300.0, 2.0}};
   return {line_of(samples, &CostSample::processor_s), line_of(samples, &CostSample::memory_mb)};
 }
 

@@ -23,13 +23,11 @@ void require(int result) {
   if (result != 1) throw std::runtime_error("libcrypto does not compute SHA-256 on this system");
 }
 
-constexpr std::size_t kDigits = 20;  ///< of a name; collisions are negligible among 1e9 results
-
 /// Name of a result that depends only on `causes`.
 std::string name_of(TaskKind kind, const std::vector<std::string>& causes) {
   std::string text = kind_text(kind);
   for (const std::string& cause : causes) text += "\n" + cause;
-  return std::string(kind_text(kind)) + "-" + sha256_hex(text).substr(0, kDigits);
+  return std::string(kind_text(kind)) + "-" + sha256_hex(text).substr(0, kNameDigits);
 }
 
 /// Tasks in order of insertion, identical ones once.

@@ -31,6 +31,8 @@ class Sha256 {
 /// SHA-256 digest of a text.
 std::string sha256_hex(std::string_view text);
 
+inline constexpr std::size_t kNameDigits = 20;  ///< of a name; 1e9 results hardly collide
+
 /// One drive of one robot in one block, as found in the farm's folder.
 struct Drive {
   std::string block, date, robot;

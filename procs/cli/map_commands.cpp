@@ -283,7 +283,6 @@ void declare(CLI::App& command, FarmRetryOptions& o) {
 void declare(CLI::App& command, FarmStepOptions& o) {
   command.add_option("name", o.name)->required();
   command.add_option("command", o.command);
-  command.add_option("--set-aside", o.set_aside);
 }
 
 }  // namespace

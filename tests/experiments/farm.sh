@@ -38,7 +38,7 @@ took() { awk -v a="$1" -v b="$(date +%s.%N)" 'BEGIN { printf "%.0f s", b - a }';
 
 start=$(date +%s.%N)
 "$orchard" farm run "$farm" --cores 2
-echo "in peace: $(took "$start"); the steps' own: $(cd "$farm" && cat work/cost/*.txt | awk '{ w += $1; c += $2 } END { printf "%.0f s one after the other, %.0f s of processor", w, c }')"
+echo "in peace: $(took "$start"); the steps' own: $(cd "$farm" && awk '{ w += $2; c += $3 } END { printf "%.0f s one after the other, %.0f s of processor", w, c }' work/costs.txt)"
 steps=$(num_made "$farm")
 
 start=$(date +%s.%N)

@@ -89,17 +89,17 @@ struct FarmStatusOptions {
 /// Options of `orchard farm step NAME [-- COMMAND...]`, which the Snakefile calls in the farm's
 /// folder.
 struct FarmStepOptions {
-  std::string name;                  ///< name of the result: results/NAME
-  std::vector<std::string> command;  ///< "@out" in it stands for the output folder
-  std::string set_aside;             ///< without a command: the reason why there is no result
+  std::string name;                  ///< of a lot, or of a result: results/NAME
+  std::vector<std::string> command;  ///< instead of the step's own; "@out" in it is the folder
 };
 
-/// Runs a command that computes a result in a temporary folder, and renames the folder when the
-/// command has ended. A result is therefore complete or missing, even after a kill, and a function
-/// of the inputs that its name stands for: they are compared with their digests before and after.
-/// Exit code 3 (bad input) sets the result aside with the command's message; so does a crash, which
-/// would recur, unless a memory limit or a file that cannot be mapped may be its cause. Any other
-/// failure, and inputs that have changed, give no result and exit code 1. Throws io::FileError.
+/// Makes a result, or all results of a lot that can be made: runs the command that computes it in a
+/// temporary folder, and renames the folder when the command has ended. A result is therefore
+/// complete or missing, even after a kill, and a function of the inputs that its name stands for:
+/// they are compared with their digests before and after. Exit code 3 (bad input) sets the result
+/// aside with the command's message; so does a crash, which would recur, unless a memory limit or a
+/// file that cannot be mapped may be its cause. Any other failure, and inputs that have changed,
+/// give no result and exit code 1; the other steps of a lot go on. Throws io::FileError.
 [[gnu::weak]] int run_farm_step(const FarmStepOptions& options);
 
 }  // namespace orchard::cli

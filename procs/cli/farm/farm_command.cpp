@@ -9,7 +9,11 @@
 #include <unistd.h>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <system_error>
+
+#include "cli/command_line.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -58,16 +62,18 @@ class WaitedSignals {
   sigset_t set_{}, before_{};
 };
 
-/// Becomes the program, in a process group of its own. Only calls that are safe between fork and
-/// exec.
-[[noreturn]] void become(const FarmCommand& command, char* const* argv, int out, int err,
+/// Becomes the program, in a process group of its own. Own words need that this process has one
+/// thread; else only calls that are safe between fork and exec.
+[[noreturn]] void become(const FarmCommand& command, char** argv, int out, int err,
                          const WaitedSignals& signals) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   signals.restore();
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
-  if (command.folder.empty() || chdir(command.folder.c_str()) == 0) execvp(argv[0], argv);
+  if (!command.folder.empty() && chdir(command.folder.c_str()) != 0) _exit(127);
+  if (command.is_own) std::exit(run_command_line(static_cast<int>(command.words.size()), argv));
+  execvp(argv[0], argv);
   _exit(127);
 }
 
@@ -83,6 +89,7 @@ CommandResult run_command(const FarmCommand& command) {
       command.stderr_path == command.stdout_path ? out : open_for_writing(command.stderr_path);
   const WaitedSignals signals;
   const auto start = std::chrono::steady_clock::now();
+  std::fflush(nullptr);  // what is buffered is written once
   const pid_t pid = fork();
   if (pid == 0) become(command, argv.data(), out, err, signals);
   const int error = errno;
@@ -90,15 +97,18 @@ CommandResult run_command(const FarmCommand& command) {
   if (err != out) close(err);
   if (pid < 0) throw std::system_error(error, std::generic_category(), "starting " + words.front());
   setpgid(pid, pid);  // here, too: a signal may come before the child has done it
+  CommandResult end;
   int status = 0;
   rusage usage{};
   while (wait4(pid, &status, WNOHANG, &usage) == 0) {
     const int signal = signals.wait();
     // As SIGINT, at which Snakemake cancels the jobs of a cluster.
-    if (signal == SIGINT || signal == SIGTERM) kill(-pid, SIGINT);
+    if (signal == SIGINT || signal == SIGTERM) {
+      kill(-pid, SIGINT);
+      end.is_stopped = true;
+    }
     if (command.while_running) command.while_running();
   }
-  CommandResult end;
   end.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   end.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   end.processor_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);

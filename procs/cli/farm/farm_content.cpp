@@ -2,9 +2,6 @@
 #include <sys/stat.h>
 #include <yaml-cpp/yaml.h>
 #include <algorithm>
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -86,16 +83,9 @@ class FileFacts {
   /// change or the file itself are others. Throws io::SystemError.
   json of(const std::string& inside, bool is_log) {
     const std::string path = (fs::path(farm_.root()) / inside).string();
+    const std::string key = inside + " " + identity_of(path);
     struct stat at {};
-    if (::stat(path.c_str(), &at) != 0) {
-      throw io::SystemError(path + " cannot be read (" + std::strerror(errno) + ")");
-    }
-    std::string key = inside;
-    for (const auto part :
-         {static_cast<std::int64_t>(at.st_size), static_cast<std::int64_t>(at.st_ino),
-          std::int64_t{at.st_ctim.tv_sec}, std::int64_t{at.st_ctim.tv_nsec}}) {
-      key += " " + std::to_string(part);
-    }
+    ::stat(path.c_str(), &at);
     json facts = known_.value(key, json::object());
     if (!facts.contains("digest")) {
       facts["digest"] = digest_of_files({path});

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/farm/farm_folder.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <sys/stat.h>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "farm/farm_tasks.hpp"
@@ -20,17 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBytesPerMb = 1e6;
 const std::string kFileWord = "file ";
 constexpr const char* kVersionFile = "work/version.txt";
+constexpr const char* kCostsFile = "work/costs.txt";
 
-nlohmann::json read_json(const std::string& path) {
-  std::ifstream file(path);
-  return nlohmann::json::parse(file, nullptr, false);
-}
-
-[[noreturn]] void refuse_input(const std::string& what, const char* advice) {
-  throw io::SystemError(what + "; " + advice);
+/// What steps took, by their names: the gathered costs, and those of steps since then.
+std::map<std::string, std::string> read_costs(const FarmFolder& farm) {
+  std::map<std::string, std::string> costs;
+  std::ifstream gathered(farm.path(kCostsFile));
+  for (std::string step, cost; gathered >> step && std::getline(gathered >> std::ws, cost);) {
+    costs[step] = cost;
+  }
+  for (const std::string& name : io::folder_names(farm.path("work/cost"))) {
+    costs[fs::path(name).stem().string()] = last_line(farm.path("work/cost/" + name));
+  }
+  return costs;
 }
 
 }  // namespace
@@ -64,6 +69,15 @@ std::string digest_of_files(const std::vector<std::string>& paths) {
   return digest.hex();
 }
 
+std::string identity_of(const std::string& path) {
+  struct stat at {};
+  if (::stat(path.c_str(), &at) != 0) {
+    throw io::SystemError(path + " cannot be read (" + std::strerror(errno) + ")");
+  }
+  return std::to_string(at.st_size) + " " + std::to_string(at.st_ino) + " " +
+         std::to_string(at.st_ctim.tv_sec) + " " + std::to_string(at.st_ctim.tv_nsec);
+}
+
 FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
   if (!fs::is_regular_file(path("farm.yaml")) || !fs::is_directory(path("logs"))) {
     throw io::FileError(
@@ -75,7 +89,15 @@ FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
 
 std::string FarmFolder::programs() const {
   const std::string folder = io::program_folder() + "/";
-  return digest_of_files({folder + "orchard", folder + "orchard-maps", path("Snakefile")});
+  const std::vector<std::string> files{folder + "orchard", folder + "orchard-maps",
+                                       path("Snakefile")};
+  std::string identity;
+  for (const std::string& file : files) identity += identity_of(file) + "\n";
+  if (identity != programs_identity_) {
+    programs_digest_ = digest_of_files(files);
+    programs_identity_ = identity;
+  }
+  return programs_digest_;
 }
 
 void FarmFolder::adopt_programs(bool keep_others) const {
@@ -96,52 +118,13 @@ FarmContent FarmFolder::read() const {
   return content;
 }
 
-void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
-                             const farm::CostFit& costs) const {
-  using nlohmann::ordered_json;
-  io::make_folder(path("work/rigs"));
-  for (const auto& [copy, text] : content.rig_copies) {
-    if (!fs::exists(path(copy))) io::write_file_atomically(path(copy), text);
-  }
-  ordered_json json;
-  json["programs"] = programs();
-  json["any_place"] = content.settings.any_place;
-  json["publish_to"] = content.settings.publish_to;
-  json["tasks"] = ordered_json::object();
-  for (const farm::FarmTask& task : tasks) {
-    double log_mb = 0.0;
-    for (const farm::Drive& drive : task.drives) {
-      log_mb += static_cast<double>(drive.num_bytes) / kBytesPerMb;
-    }
-    ordered_json entry{
-        {"kind", farm::kind_text(task.kind)}, {"needs", task.needs}, {"edits", task.edits}};
-    if (task.kind == farm::TaskKind::kReport) {
-      entry["title"] = task.drives.front().block + " " + task.drives.front().date;
-    } else if (task.kind == farm::TaskKind::kPublish) {
-      entry["block"] = task.drives.front().block;
-      entry["date"] = task.drives.front().date;
-    } else if (task.kind == farm::TaskKind::kDate || task.kind == farm::TaskKind::kChanges) {
-      entry["earlier"] = task.earlier;
-      entry["max_offset_m"] = task.max_offset_m;
-    } else {
-      log_mb = static_cast<double>(task.drives.front().num_bytes) / kBytesPerMb;
-      entry["logs"] = task.drives.front().log_paths;
-      entry["rig"] = task.drives.front().rig_path;
-      entry["files"] = task.drives.front().files;
-    }
-    entry["of"] = ordered_json::array();
-    for (const farm::Drive& drive : task.drives) entry["of"].push_back(drive.title());
-    // 1.5 times the expected memory; a step that fails requests more.
-    entry["memory_mb"] = std::ceil(200.0 + 1.5 * costs.memory_mb.of(log_mb));
-    entry["time_s"] = std::ceil(60.0 + 5.0 * costs.time_s.of(log_mb));
-    json["tasks"][task.name] = std::move(entry);
-  }
-  io::write_file_atomically(path("work/tasks.json"), json.dump(1) + "\n");
-}
-
 std::vector<farm::FarmTask> FarmFolder::tasks_of(const FarmContent& content) const {
-  return farm::tasks_of(content.drives, content.settings,
-                        [this](const std::string& name) { return edits_of(name); });
+  std::map<std::string, std::string> known;  // of a date every later one asks
+  return farm::tasks_of(content.drives, content.settings, [&](const std::string& name) {
+    const auto [edits, is_new] = known.try_emplace(name);
+    if (is_new) edits->second = edits_of(name);
+    return edits->second;
+  });
 }
 
 std::string FarmFolder::edits_of(const std::string& task) const {
@@ -170,6 +153,10 @@ std::optional<TaskState> FarmFolder::state_of(const std::string& task) const {
   return state;
 }
 
+bool FarmFolder::is_made(const std::string& task) const {
+  return fs::exists(path("results/" + task + "/state.txt"));
+}
+
 std::string FarmFolder::damage_of(const std::string& task) const {
   const auto state = state_of(task);
   if (!state) return "is not there";
@@ -181,59 +168,37 @@ std::string FarmFolder::damage_of(const std::string& task) const {
   return {};
 }
 
-void FarmFolder::require_inputs(const std::string& task) const {
-  constexpr const char* kAgain = "run `orchard farm run` again, which makes what it is now";
-  const auto list = read_json(path("work/tasks.json"));
-  if (!list.is_object() || !list["tasks"].contains(task)) {
-    refuse_input(task + " is not in the list of steps, work/tasks.json", kAgain);
-  }
-  if (list["programs"] != programs()) {
-    refuse_input("the programs in " + io::program_folder() +
-                     " or the Snakefile are not those of "
-                     "`orchard farm run`",
-                 "install the same programs on all machines, or run it again");
-  }
-  const auto& entry = list["tasks"][task];
-  const auto files = entry.value("files", nlohmann::json::object());
-  for (const auto& [name, digest] : files.items()) {
-    const std::string file = (fs::path(root_) / name).string();
-    const bool is_absent = digest == "" && !fs::exists(file);
-    if (!is_absent && digest_of_files({file}) != digest) {
-      refuse_input(file + " has changed since `orchard farm run` began", kAgain);
-    }
-  }
-  for (const auto& [date, edits] : entry["edits"].items()) {
-    if (edits_of(date) != edits) {
-      refuse_input("the corrections of results/" + date + " have changed", kAgain);
-    }
-  }
-  for (const char* kind : {"needs", "earlier"}) {
-    for (const auto& need : entry.value(kind, std::vector<std::string>())) {
-      const std::string damage = damage_of(need);
-      if (!damage.empty()) {
-        refuse_input("results/" + need + ": " + damage,
-                     "remove it with `orchard farm retry`, and run `orchard farm run` again");
-      }
-    }
-  }
-}
-
 std::vector<std::string> FarmFolder::result_names() const {
   return io::folder_names(path("results"));
 }
 
-std::vector<farm::CostSample> FarmFolder::costs(const std::vector<farm::FarmTask>& tasks) const {
-  std::vector<farm::CostSample> samples;
+farm::StepCosts FarmFolder::costs(const std::vector<farm::FarmTask>& tasks) const {
+  const auto measured = read_costs(*this);
+  std::map<farm::TaskKind, std::vector<farm::CostSample>> samples{{farm::TaskKind::kMap, {}}};
   for (const farm::FarmTask& task : tasks) {
-    if (task.kind != farm::TaskKind::kMap) continue;
-    std::ifstream file(path("work/cost/" + task.name + ".txt"));
+    const auto found = measured.find(task.name);
+    if (found == measured.end()) continue;
     farm::CostSample sample;
     double wall_s = 0.0;
-    if (!(file >> wall_s >> sample.processor_s >> sample.memory_mb)) continue;
-    sample.log_mb = static_cast<double>(task.drives.front().num_bytes) / kBytesPerMb;
-    samples.push_back(sample);
+    std::istringstream line(found->second);
+    if (!(line >> wall_s >> sample.processor_s >> sample.memory_mb)) continue;
+    sample.log_mb = farm::log_mb(task);
+    samples[task.kind].push_back(sample);
   }
-  return samples;
+  farm::StepCosts costs;
+  for (const auto& [kind, of_kind] : samples) costs[kind] = farm::fit_costs(of_kind);
+  return costs;
+}
+
+void FarmFolder::gather_costs() const {
+  const auto measured = read_costs(*this);
+  std::string text;
+  for (const auto& [step, cost] : measured) text += step + " " + cost + "\n";
+  io::write_file_atomically(path(kCostsFile), text);
+  for (const auto& [step, cost] : measured) {
+    std::error_code ignored;
+    fs::remove(path("work/cost/" + step + ".txt"), ignored);
+  }
 }
 
 }  // namespace orchard::cli

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "farm/cost_fit.hpp"
 #include "farm/farm_tasks.hpp"
+#include "farm/step_lots.hpp"
 
 namespace orchard::cli {
 
@@ -56,16 +56,11 @@ class FarmFolder {
   /// empty.
   std::string edits_of(const std::string& task) const;
 
-  /// Writes the copies of the rigs and work/tasks.json, the input of the Snakefile and the steps.
-  void write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
-                   const farm::CostFit& costs) const;
-
   /// State of a step; none if it is not finished.
   std::optional<TaskState> state_of(const std::string& task) const;
 
-  /// Throws io::SystemError unless the inputs of a step are those that its name stands for: files,
-  /// earlier results, corrections and programs.
-  void require_inputs(const std::string& task) const;
+  /// Whether a step is finished, good or set aside.
+  bool is_made(const std::string& task) const;
 
   /// What is altered or missing in the files of a result; empty: nothing.
   std::string damage_of(const std::string& task) const;
@@ -73,15 +68,19 @@ class FarmFolder {
   /// Names of results and of what unfinished steps left (".making-...").
   std::vector<std::string> result_names() const;
 
-  /// Cost samples of all good maps, in the order of `tasks`.
-  std::vector<farm::CostSample> costs(const std::vector<farm::FarmTask>& tasks) const;
+  /// Costs of the kinds of steps, fitted to what the steps took.
+  farm::StepCosts costs(const std::vector<farm::FarmTask>& tasks) const;
+
+  /// Puts what steps took into one file, so that the next run opens one. Throws io::SystemError.
+  void gather_costs() const;
 
   /// Digest of the bytes of all that makes a result: the programs that the steps call, and the
-  /// steps.
+  /// Snakefile. Computed anew where one of these files is another.
   std::string programs() const;
 
  private:
   std::string root_;
+  mutable std::string programs_identity_, programs_digest_;
 };
 
 /// Allows one run at a time, of `farm run` or of what removes results.
@@ -105,6 +104,9 @@ void remove_unfinished(const FarmFolder& farm, bool of_others);
 /// the previous date; empty if there are none.
 std::string corrections_line(const std::string& folder);
 
+/// What the Snakefile reads: the lots of both phases, "maps" and "others", with steps and costs.
+inline constexpr const char* kLotsFile = "work/lots.json";
+
 /// Begins the line at the end of a step's standard error that says why it failed.
 inline constexpr const char* kFailedWord = "failed: ";
 
@@ -123,6 +125,9 @@ std::string name_problem(const std::string& name);
 
 /// The last line of a file that is not empty; empty: none.
 std::string last_line(const std::string& path);
+
+/// Size, inode and time of change of a file. Throws io::SystemError.
+std::string identity_of(const std::string& path);
 
 /// SHA-256 of the concatenated bytes of files. Throws io::SystemError.
 std::string digest_of_files(const std::vector<std::string>& paths);

@@ -5,18 +5,22 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "bus/process/process.hpp"
 #include "cli/farm/farm.hpp"
 #include "cli/farm/farm_command.hpp"
 #include "cli/farm/farm_folder.hpp"
+#include "cli/farm/farm_list.hpp"
 #include "io/companion.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
@@ -42,11 +46,38 @@ bool is_under_way(const std::string& name, bool of_others) {
   return pid > 0 && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
 }
 
-int num_open(const FarmFolder& farm, const std::vector<farm::FarmTask>& tasks) {
-  int num = 0;
-  for (const auto& task : tasks) num += farm.state_of(task.name) ? 0 : 1;
-  return num;
+std::set<std::string> open_steps(const FarmFolder& farm, const std::vector<farm::FarmTask>& tasks) {
+  std::set<std::string> open;
+  for (const auto& task : tasks) {
+    if (!farm.is_made(task.name)) open.insert(task.name);
+  }
+  return open;
 }
+
+/// How many of some steps have a result by now.
+class Progress {
+ public:
+  Progress(const FarmFolder& farm, const std::set<std::string>& open)
+      : farm_(farm), open_(open), bar_("farm") {}
+
+  /// Reads the folder of results at most a hundredth of the time, however large it is.
+  void update() {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    if (begin < next_) return;
+    std::uint64_t num = 0;
+    for (const std::string& name : farm_.result_names()) num += open_.count(name);
+    bar_.update(num, open_.size());
+    next_ = Clock::now() + 100 * (Clock::now() - begin);
+  }
+  void finish() { bar_.finish(); }
+
+ private:
+  const FarmFolder& farm_;
+  const std::set<std::string>& open_;
+  io::ProgressBar bar_;
+  std::chrono::steady_clock::time_point next_{};
+};
 
 long memory_mb() { return sysconf(_SC_PHYS_PAGES) / 1024 * (sysconf(_SC_PAGESIZE) / 1024); }
 
@@ -56,12 +87,56 @@ int print_open(const FarmFolder& farm, bool keep_version) {
   if (!keep_version) content.settings.version = farm.programs();
   int num = 0;
   for (const farm::FarmTask& task : farm.tasks_of(content)) {
-    if (farm.state_of(task.name)) continue;
+    if (farm.is_made(task.name)) continue;
     std::printf("%-8s %s\n", farm::kind_text(task.kind), task.title().c_str());
     ++num;
   }
   std::printf("%d steps to make\n", num);
   return bus::kExitOk;
+}
+
+/// Snakemake's words but for the phase.
+std::vector<std::string> engine_words(const FarmRunOptions& options) {
+  std::vector<std::string> words{
+      "snakemake", "--snakefile", "Snakefile", "--profile", "profiles/" + options.profile,
+      "--nolock"};
+  if (options.profile == "local") {
+    const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
+                                             : std::max(1U, std::thread::hardware_concurrency());
+    words.insert(words.end(), {"--cores", std::to_string(cores), "--resources",
+                               "mem_mb=" + std::to_string(memory_mb() * 9 / 10)});
+  } else if (options.cores > 0) {
+    words.insert(words.end(), {"--jobs", std::to_string(options.cores)});
+  }
+  return words;
+}
+
+/// Has Snakemake make the lots, first those of maps, then, whatever became of these, all others.
+/// Returns its worst exit code.
+int run_engine(const FarmFolder& farm, const FarmRunOptions& options, const farm::Lots& lots,
+               Progress& progress) {
+  const std::string said = fs::absolute(farm.path("work/snakemake.txt")).string();
+  std::error_code ignored;
+  fs::remove(said, ignored);
+  fs::remove_all(farm.path("work/lots"), ignored);  // of another run
+  int exit_code = 0;
+  for (const auto& [phase, of_phase] : {std::pair{"maps", &lots.maps}, {"others", &lots.others}}) {
+    if (of_phase->empty()) continue;
+    std::vector<std::string> words = engine_words(options);
+    words.insert(words.end(), {"--config", "orchard=" + io::program_folder() + "/orchard",
+                               std::string("phase=") + phase});
+    const CommandResult end =
+        run_command({words, false, said, said, farm.root(), [&] { progress.update(); }});
+    if (end.exit_code == 127) {
+      throw io::SystemError(
+          "snakemake, which runs the steps of a farm, is not installed: apt-get install "
+          "--no-install-recommends snakemake");
+    }
+    exit_code = std::max(exit_code, end.exit_code);
+    if (end.is_stopped) break;
+  }
+  progress.finish();
+  return exit_code;
 }
 
 }  // namespace
@@ -103,45 +178,22 @@ int run_farm_run(const FarmRunOptions& options) {
   farm.adopt_programs(options.keep_version);
   const FarmContent content = farm.read();
   const auto tasks = farm.tasks_of(content);
-  farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
+  const auto costs = farm.costs(tasks);
+  const auto to_make = open_steps(farm, tasks);
+  const farm::Lots lots = farm::lots_of(
+      tasks, costs, [&](const farm::FarmTask& task) { return to_make.count(task.name) > 0; });
+  write_list(farm, content, tasks, lots);
   remove_unfinished(farm, false);
-  int exit_code = 0;
-  const int num_to_make = num_open(farm, tasks);
-  if (num_to_make > 0) {
-    std::vector<std::string> command{
-        "snakemake", "--snakefile", "Snakefile", "--profile",
-        profile,     "--nolock",    "--config",  "orchard=" + io::program_folder() + "/orchard"};
-    if (options.profile == "local") {
-      const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
-                                               : std::max(1U, std::thread::hardware_concurrency());
-      command.insert(command.end(), {"--cores", std::to_string(cores), "--resources",
-                                     "mem_mb=" + std::to_string(memory_mb() * 9 / 10)});
-    } else if (options.cores > 0) {
-      command.insert(command.end(), {"--jobs", std::to_string(options.cores)});
-    }
-    io::ProgressBar bar("farm");
-    const std::string said = fs::absolute(farm.path("work/snakemake.txt")).string();
-    exit_code =
-        run_command({command, said, said, farm.root(),
-                     [&] {
-                       bar.update(static_cast<std::uint64_t>(num_to_make - num_open(farm, tasks)),
-                                  static_cast<std::uint64_t>(num_to_make));
-                     }})
-            .exit_code;
-    bar.finish();
-    if (exit_code == 127) {
-      throw io::SystemError(
-          "snakemake, which runs the steps of a farm, is not installed: apt-get install "
-          "--no-install-recommends snakemake");
-    }
-  }
-  const int num_left = num_open(farm, tasks);
-  std::printf("%d steps made\n%s", num_to_make - num_left,
+  Progress progress(farm, to_make);
+  const int exit_code = to_make.empty() ? 0 : run_engine(farm, options, lots, progress);
+  farm.gather_costs();
+  const std::size_t num_left = open_steps(farm, tasks).size();
+  std::printf("%zu steps made\n%s", to_make.size() - num_left,
               status_text(farm, content, tasks, false).c_str());
   print_notes("run", content);
   if (num_left == 0) return bus::kExitOk;
   std::fprintf(stderr,
-               "orchard farm run: %d steps have no result (exit code %d of snakemake); see the "
+               "orchard farm run: %zu steps have no result (exit code %d of snakemake); see the "
                "errors in %s and run it again to do the remaining steps\n",
                num_left, exit_code, farm.path("work/snakemake.txt").c_str());
   return bus::kExitRuntime;

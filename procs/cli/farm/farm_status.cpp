@@ -100,17 +100,35 @@ std::string with_rig(std::string reason, const farm::Drive& drive) {
   return reason;
 }
 
+/// The lot of each step, in the last run.
+std::map<std::string, std::string> lots_of_steps(const FarmFolder& farm) {
+  std::ifstream file(farm.path(kLotsFile));
+  std::map<std::string, std::string> lots;
+  const auto phases = nlohmann::json::parse(file, nullptr, false);
+  if (!phases.is_object()) return lots;
+  for (const auto& phase : phases) {
+    for (const auto& [lot, of_lot] : phase.items()) {
+      for (const auto& step : of_lot["steps"]) lots[step.get<std::string>()] = lot;
+    }
+  }
+  return lots;
+}
+
 /// Why the last attempt at an open step failed; empty: it did not, or is under way.
-std::string failure_of(const FarmFolder& farm, const std::string& task) {
+std::string failure_of(const FarmFolder& farm, const std::string& task,
+                       const std::map<std::string, std::string>& lots) {
   const std::string said = last_line(farm.path("work/output/" + task + ".txt"));
   const std::string failed = kFailedWord;
   if (said.rfind(failed, 0) == 0) return said.substr(failed.size());
-  const std::string job = last_line(farm.path("work/slurm/" + task + ".txt"));
+  const auto lot = lots.find(task);
+  if (lot == lots.end()) return {};
+  const std::string job = last_line(farm.path("work/slurm/" + lot->second + ".txt"));
   return job.rfind("slurmstepd", 0) == 0 ? job : std::string();
 }
 
-void add_open(const FarmFolder& farm, const FarmTask& task, std::vector<Finding>& findings) {
-  const std::string why = failure_of(farm, task.name);
+void add_open(const FarmFolder& farm, const FarmTask& task,
+              const std::map<std::string, std::string>& lots, std::vector<Finding>& findings) {
+  const std::string why = failure_of(farm, task.name, lots);
   if (why.empty()) return;
   findings.push_back({task.kind == TaskKind::kPublish
                           ? "not published"
@@ -128,17 +146,18 @@ void add_set_aside(const FarmTask& task, const std::string& reason,
 }
 
 FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
-                   const farm::CostFit& costs) {
+                   const farm::StepCosts& costs) {
   FarmState state;
+  const auto lots = lots_of_steps(farm);
   for (const FarmTask& task : tasks) {
     Counts& counts = state.counts[static_cast<std::size_t>(task.kind)];
     const auto made = farm.state_of(task.name);
     ++(!made ? counts.num_open : made->is_good ? counts.num_good : counts.num_aside);
     if (!made) {
       if (task.kind == TaskKind::kMap) {
-        state.open_s += costs.time_s.of(1e-6 * static_cast<double>(task.drives[0].num_bytes));
+        state.open_s += farm::expected_time_s(task, costs);
       }
-      add_open(farm, task, state.findings);
+      add_open(farm, task, lots, state.findings);
     } else if (!made->is_good) {
       add_set_aside(task, made->reason, state.findings);
     } else if (task.kind == TaskKind::kDate) {
@@ -160,7 +179,7 @@ void print_notes(const char* command, const FarmContent& content) {
 
 std::string status_text(const FarmFolder& farm, const FarmContent& content,
                         const std::vector<FarmTask>& tasks, bool json) {
-  const FarmState state = state_of(farm, tasks, farm::fit_costs(farm.costs(tasks)));
+  const FarmState state = state_of(farm, tasks, farm.costs(tasks));
   std::set<std::string> blocks, dates;
   for (const farm::Drive& drive : content.drives) {
     blocks.insert(drive.block);

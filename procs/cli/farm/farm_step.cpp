@@ -14,7 +14,9 @@
 #include "cli/farm/farm.hpp"
 #include "cli/farm/farm_command.hpp"
 #include "cli/farm/farm_folder.hpp"
+#include "cli/farm/farm_list.hpp"
 #include "io/atomic_file.hpp"
+#include "io/companion.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "text/number_text.hpp"
@@ -110,26 +112,48 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
   }
 }
 
-/// Makes the result. Returns why there is none; empty: there is one.
-std::string make_result(const FarmStepOptions& options, const FarmFolder& farm) {
-  UnfinishedResult made(options.name);
-  if (options.command.empty()) {
-    made.become_result("set aside: " + options.set_aside);
+/// The command of a step: that of the list, or the given one.
+FarmCommand command_of(const StepCommand& step, bool is_given) {
+  FarmCommand command{step.words, {}, {}, {}};
+  if (is_given) return command;
+  // Maps are made by `orchard`; all else is in this program.
+  const std::string orchard = io::program_folder() + "/orchard";
+  command.words.insert(command.words.begin(), orchard);
+  command.is_own = step.words.front() != "map";
+  return command;
+}
+
+/// How an attempt at a step ended.
+struct Attempt {
+  std::string failure;  ///< why there is no result; empty: there is one
+  bool is_stopped = false;
+};
+
+/// Makes the result.
+Attempt make_result(const std::string& name, const StepList& list, const FarmStepOptions& options) {
+  list.require_inputs(name);
+  const bool is_given = !options.command.empty();
+  const StepCommand step = is_given ? StepCommand{options.command, {}} : list.command_of(name);
+  UnfinishedResult made(name);
+  if (step.words.empty()) {
+    made.become_result("set aside: " + step.set_aside);
     return {};
   }
-  FarmCommand command{options.command, "work/output/" + options.name + ".out",
-                      "work/output/" + options.name + ".txt"};
+  FarmCommand command = command_of(step, is_given);
+  command.stdout_path = "work/output/" + name + ".out";
+  command.stderr_path = "work/output/" + name + ".txt";
   for (std::string& word : command.words) {
     if (word == "@out") word = made.folder();
   }
   const CommandResult end = run_command(command);
+  if (end.is_stopped) return {"it was stopped", true};
   std::string why = reasons_in(command.stderr_path);
-  replace_all(why, made.folder(), "results/" + options.name);  // the same on every machine
+  replace_all(why, made.folder(), "results/" + name);  // the same on every machine
   if (end.exit_code == bus::kExitOk) {
-    io::write_file_atomically("work/cost/" + options.name + ".txt",
+    io::write_file_atomically("work/cost/" + name + ".txt",
                               fixed_text(end.wall_s, 3) + " " + fixed_text(end.processor_s, 3) +
                                   " " + fixed_text(end.memory_mb, 1) + "\n");
-    farm.require_inputs(options.name);
+    list.require_inputs(name);
     made.become_result("good");
     return {};
   }
@@ -138,12 +162,52 @@ std::string make_result(const FarmStepOptions& options, const FarmFolder& farm) 
     why = "the program crashed (signal " + std::to_string(end.exit_code - 128) +
           "): " + last_line(command.stderr_path);
   } else if (end.exit_code != bus::kExitInput) {
-    return "exit code " + std::to_string(end.exit_code) + ": " + why;
+    return {"exit code " + std::to_string(end.exit_code) + ": " + why};
   }
-  farm.require_inputs(options.name);
+  list.require_inputs(name);
   made.clear();
   made.become_result("set aside: " + why);
   return {};
+}
+
+/// Makes a step; what keeps it from having a result is told.
+Attempt attempt(const std::string& name, const StepList& list, const FarmStepOptions& options) {
+  Attempt made;
+  try {
+    made = make_result(name, list, options);
+  } catch (const std::exception& error) {
+    made.failure = error.what();
+  }
+  if (made.failure.empty()) return made;
+  std::ofstream("work/output/" + name + ".txt", std::ios::app)
+      << kFailedWord << made.failure << std::endl;
+  std::fprintf(stderr, "orchard farm: %s: %s\n", name.c_str(), made.failure.c_str());
+  return made;
+}
+
+/// Makes what is open of a lot; what failed before comes last, since it may end the whole job.
+/// Returns whether all that could begin has a result.
+bool make_lot(std::vector<std::string> open, const FarmFolder& farm, const StepList& list,
+              const FarmStepOptions& options) {
+  std::stable_partition(open.begin(), open.end(), [](const std::string& name) {
+    return !fs::exists("work/output/" + name + ".txt");
+  });
+  const pid_t engine = getppid();
+  bool has_all = true;
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (std::string& name : open) {
+      if (name.empty() || (options.command.empty() && !list.can_begin(name))) continue;
+      const bool is_made = options.command.empty() && farm.is_made(name);
+      const Attempt made = is_made ? Attempt() : attempt(name, list, options);
+      has_all = has_all && made.failure.empty();
+      // Of an engine that was killed the step under way is the last.
+      if (made.is_stopped || getppid() != engine) return false;
+      name.clear();
+      goes_on = true;
+    }
+  }
+  return has_all;
 }
 
 }  // namespace
@@ -153,19 +217,12 @@ int run_farm_step(const FarmStepOptions& options) {
   if (!std::regex_match(options.name, kResultName))
     throw io::FileError(options.name + ": not a valid name of a result");
   const FarmFolder farm(".");
-  for (const char* folder : {"results", "work/cost", "work/output"}) fs::create_directories(folder);
-  std::string why;
-  try {
-    farm.require_inputs(options.name);
-    why = make_result(options, farm);
-  } catch (const std::exception& error) {
-    why = error.what();
-  }
-  if (why.empty()) return bus::kExitOk;
-  std::ofstream("work/output/" + options.name + ".txt", std::ios::app)
-      << kFailedWord << why << std::endl;
-  std::fprintf(stderr, "orchard farm: %s: %s\n", options.name.c_str(), why.c_str());
-  return bus::kExitRuntime;
+  for (const char* folder : {"results", "work/cost", "work/output", "work/lots"})
+    fs::create_directories(folder);
+  const StepList list(farm);
+  if (!make_lot(list.steps_of(options.name), farm, list, options)) return bus::kExitRuntime;
+  if (options.name.rfind("lot-", 0) == 0) std::ofstream("work/lots/" + options.name);
+  return bus::kExitOk;
 }
 
 }  // namespace orchard::cli

@@ -269,7 +269,8 @@ class OnlyFunctionsOfTheInput(Inputs):
     def test_why_the_cluster_ended_a_step_is_told(self):
         self.add()
         name = self.step()
-        job = self.farm / "work" / "slurm" / f"{name}.txt"
+        lot = next(iter(json.loads((self.farm / "work" / "lots.json").read_text())["maps"]))
+        job = self.farm / "work" / "slurm" / f"{lot}.txt"
         job.parent.mkdir()
         job.write_text("Building DAG of jobs...\nslurmstepd: error: Detected 1 oom_kill event\n")
         self.assertEqual(self.findings(),
@@ -392,8 +393,9 @@ class Stopped(Inputs):
         self.add()
         snakefile = self.farm / "Snakefile"
         text = snakefile.read_text()
-        command = next(line for line in text.splitlines() if "{ORCHARD} map" in line)
-        snakefile.write_text(text.replace(command, '        "sleep 86421"'))
+        command = "farm step {wildcards.lot}"
+        self.assertIn(command, text)
+        snakefile.write_text(text.replace(command, command + " -- sleep 86421"))
         for stop in (signal.SIGTERM, signal.SIGKILL):
             run = subprocess.Popen([ORCHARD, "farm", "run", self.farm, "--cores", "1"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string>
@@ -9,6 +10,7 @@
 #include "farm/cost_fit.hpp"
 #include "farm/drive_pieces.hpp"
 #include "farm/farm_tasks.hpp"
+#include "farm/step_lots.hpp"
 
 namespace orchard::farm {
 namespace {
@@ -266,6 +268,64 @@ TEST(CostFit, HasNoPartBelowZero) {
   EXPECT_NEAR(steep.time_s.per_mb, (1.0 * 2.0 + 9.0 * 4.0) / (2.0 * 2.0 + 4.0 * 4.0), 1e-9);
   EXPECT_NEAR(fit_costs({{1.0, 80.0, 5.0}}).memory_mb.of(5.0), 80.0, 1e-9);
   EXPECT_GT(fit_costs({}).time_s.at_least, 0.0) << "something is asked for before the first map";
+}
+
+/// One second for each map, and as much for each other step, whatever the log.
+StepCosts second_each() { return {{TaskKind::kMap, {{1.0, 0.0}, {100.0, 0.0}}}}; }
+
+TEST(StepLots, HoldEveryOpenStepOnceAfterThoseThatItNeeds) {
+  const std::vector<FarmTask> tasks = tasks_of(farm_of(40, 3, 2), {});
+  const auto is_open = [&](const FarmTask& task) { return task.name.back() != '0'; };
+  const Lots lots = lots_of(tasks, second_each(), is_open);
+  std::set<std::string> made, open;
+  for (const FarmTask& task : tasks) (is_open(task) ? open : made).insert(task.name);
+  std::map<std::string, const FarmTask*> by_name;
+  for (const FarmTask& task : tasks) by_name[task.name] = &task;
+  for (const Lot& lot : lots.maps) {
+    for (const std::string& step : lot.steps) EXPECT_TRUE(made.insert(step).second);
+  }
+  const std::set<std::string> before = made;
+  for (const Lot& lot : lots.others) {
+    std::set<std::string> here = before;  // of the other lots none is waited for
+    for (const std::string& step : lot.steps) {
+      const FarmTask& task = *by_name.at(step);
+      for (const auto* inputs : {&task.needs, &task.earlier}) {
+        for (const std::string& input : *inputs) EXPECT_EQ(here.count(input), 1U) << step;
+      }
+      here.insert(step);
+      EXPECT_TRUE(made.insert(step).second);
+    }
+  }
+  EXPECT_EQ(made.size(), tasks.size());
+}
+
+TEST(StepLots, BlocksThatShareADateShareALot) {
+  std::vector<Drive> drives;  // two blocks whose first two dates are the same drives
+  for (const std::string block : {"a", "b"}) {
+    drives.push_back(drive(block, "2026-01", "mule", "first"));
+    drives.push_back(drive(block, "2026-02", "mule", "second"));
+    drives.push_back(drive(block, "2026-03", "mule", "third of " + block));
+  }
+  StepCosts costs = second_each();
+  costs[TaskKind::kMap].time_s.at_least = 1000.0;  // one step is enough for a lot
+  const Lots lots = lots_of(tasks_of(drives, {}), costs, [](const FarmTask&) { return true; });
+  EXPECT_EQ(lots.maps.size(), 4U);
+  EXPECT_EQ(lots.others.size(), 1U);
+}
+
+TEST(StepLots, TheEngineTakesATenthAtMostAndALotNoLongerThanToStartAll) {
+  for (const int num_blocks : {1, 10, 100, 1000}) {
+    const std::vector<FarmTask> tasks = tasks_of(farm_of(num_blocks, 3, 2), {});
+    const Lots lots = lots_of(tasks, second_each(), [](const FarmTask&) { return true; });
+    for (const auto* phase : {&lots.maps, &lots.others}) {
+      double work_s = 0.0;
+      for (const Lot& lot : *phase) work_s += lot.time_s;
+      const auto num = static_cast<double>(phase->size());
+      EXPECT_LE(0.3 * (num - 1.0), 0.1 * work_s) << num_blocks;
+      // w/n + 0.3 n is least at 2 sqrt(0.3 w); whole blocks and the last lot are less even
+      EXPECT_LE(work_s / num + 0.3 * num, 2.0 * std::sqrt(0.3 * work_s) + 12.0) << num_blocks;
+    }
+  }
 }
 
 }  // namespace

@@ -135,6 +135,10 @@ std::string comparison_json(const ComparisonContent& content) {
   json["width_change_common_m"] = rounded(content.comparison.width_change_common_m);
   json["width_change_common_se_m"] = rounded(content.comparison.width_change_common_se_m);
   json["changes"] = Json::array();
+  std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+  const std::string end = "]\n}\n";
+  text.resize(text.size() + 1 - end.size());
+  // One by one: as one document they would need 100 MB for 100,000 trees.
   for (const MapChange& c : content.comparison.changes) {
     const Landmark* a = of_a(content, c);
     const Landmark* b = of_b(content, c);
@@ -155,9 +159,13 @@ std::string comparison_json(const ComparisonContent& content) {
     }
     if (known.row != 0) entry["row"] = known.row;
     if (known.position != 0) entry["position"] = known.position;
-    json["changes"].push_back(std::move(entry));
+    text += text.back() == '[' ? "\n  " : ",\n  ";
+    for (const char c : entry.dump(1, ' ', false, Json::error_handler_t::replace)) {
+      text += c;
+      if (c == '\n') text += "  ";
+    }
   }
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text + (text.back() == '[' ? "" : "\n ") + end;
 }
 
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 
 #include "geometry/angles.hpp"
-#include "geometry/point_grid.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/visibility.hpp"
@@ -21,7 +22,7 @@ using Eigen::Vector2d;
 /// derived: the number of range bins.
 constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
 
-using Rates = std::array<double, kNumRanges>;
+using Rates = VisibilityGrid::Weights;
 
 /// Fits non-negative detection rates per distance bin to the observations per second of all trees
 /// (least squares by coordinate descent: convex, few unknowns). Where the data do not separate
@@ -52,6 +53,12 @@ Rates fit_rates(const std::vector<Rates>& fractions, const std::vector<double>& 
   return rates;
 }
 
+std::vector<Vector2d> positions_of(const std::vector<Landmark>& landmarks) {
+  std::vector<Vector2d> places;
+  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
+  return places;
+}
+
 }  // namespace
 
 DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
@@ -62,19 +69,22 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   raster_.emplace_back(landmarks, trajectories, view);
   std::vector<Rates> fractions;
   std::vector<double> per_second;
-  for (const Landmark& l : landmarks) {
-    if (l.label == detection::Label::kObject) continue;
-    const VisibilityGrid::Seconds observations = raster_.front().at({l.x_m, l.y_m});
+  std::vector<Landmark> trees;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(trees),
+               [](const Landmark& l) { return l.label != detection::Label::kObject; });
+  const std::vector<VisibilityGrid::Seconds> times = raster_.front().at(positions_of(trees));
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    const VisibilityGrid::Seconds& observations = times[i];
     double total_s = 0.0;
     for (const float s : observations) total_s += s;
     if (total_s <= 0.0) continue;
     Rates fraction{};
     for (std::size_t j = 0; j < kNumRanges; ++j) fraction[j] = observations[j] / total_s;
     fractions.push_back(fraction);
-    per_second.push_back(l.num_observations / total_s);
+    per_second.push_back(trees[i].num_observations / total_s);
   }
   num_mapped_min_ = view.min_observations;
-  rate_per_s_ = fit_rates(fractions, per_second);
+  raster_.front().weigh(fit_rates(fractions, per_second));
   std::vector<double> deviations;
   for (const Landmark& l : landmarks) {
     const double expected = expected_observations({l.x_m, l.y_m});
@@ -94,10 +104,7 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
 
 double DetectionMap::expected_observations(const Vector2d& p_map) const {
   if (!is_known_) return 0.0;
-  const VisibilityGrid::Seconds observations = raster_.front().at(p_map);
-  double sum = 0.0;
-  for (std::size_t j = 0; j < kNumRanges; ++j) sum += observations[j] * rate_per_s_[j];
-  return sum;
+  return raster_.front().sum_at(p_map);
 }
 
 double DetectionMap::visibility(const Landmark& landmark) const {
@@ -136,11 +143,7 @@ constexpr double kTurn_rad = 0.15;   ///< derived: or such a turn: as far at 3 m
 constexpr int kNumBearings = 1440;   ///< derived: 0.25 degrees: a trunk of 0.1 m at 20 m covers one
 constexpr double kBehind_m = 0.5;    ///< derived: behind an object: the depth of a bush
 
-struct View {
-  Vector2d p_laser{0.0, 0.0};
-  double yaw_rad = 0.0;
-  double seconds = 0.0;
-};
+using View = VisibilityGrid::View;
 
 /// Selects spaced poses, each weighted by the time until the next. A long stop adds no viewpoints,
 /// so it counts as ten ordinary steps at most.
@@ -176,22 +179,134 @@ std::vector<View> views_of(const std::vector<pose::PoseEstimate>& trajectory,
   return views;
 }
 
-std::size_t bearing_index(double bearing_rad) {
-  const double turns = bearing_rad / (2.0 * geometry::kPi);
+constexpr double kSectorsPerRad = kNumBearings / (2.0 * geometry::kPi);  ///< derived: of a turn
+
+/// Sector of the bearing of `d`.
+std::size_t bearing_index(const Vector2d& d) {
+  const double turns = std::atan2(d.y(), d.x()) / (2.0 * geometry::kPi);
   const int index = static_cast<int>(std::floor((turns - std::floor(turns)) * kNumBearings));
   return static_cast<std::size_t>(std::min(index, kNumBearings - 1));
 }
 
-/// Free range from a point in every direction of the map.
-std::vector<float> free_distance_m(const Vector2d& p, double reach_m,
-                                   const geometry::IndexedPoints& things,
-                                   const std::vector<double>& radius_m) {
-  std::vector<float> free_m(kNumBearings, static_cast<float>(reach_m));
-  for (const std::int32_t i : things.within(p, reach_m)) {
+int cell_of(double coordinate_m) {
+  return static_cast<int>(
+      std::floor(std::clamp(coordinate_m, -5e8, 5e8) / VisibilityGrid::kCell_m));
+}
+
+/// Index of a group of `size` cells or tiles (division rounding towards minus infinity).
+int group_of(int cell, int size) { return cell >= 0 ? cell / size : -((-cell + size - 1) / size); }
+
+Vector2d centre_of(int x, int y) {
+  return Vector2d((x + 0.5) * VisibilityGrid::kCell_m, (y + 0.5) * VisibilityGrid::kCell_m);
+}
+
+/// Sets the range to 0 in directions outside the laser's field of view.
+void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& free_m) {
+  const double middle_rad = yaw_rad + 0.5 * (view.bearing_min_rad + view.bearing_max_rad);
+  const double half_rad = 0.5 * (view.bearing_max_rad - view.bearing_min_rad);
+  if (half_rad >= geometry::kPi) return;
+  for (int b = 0; b < kNumBearings; ++b) {
+    const double bearing_rad = (b + 0.5) * 2.0 * geometry::kPi / kNumBearings;
+    if (std::abs(geometry::wrap_angle_rad(bearing_rad - middle_rad)) > half_rad) {
+      free_m[static_cast<std::size_t>(b)] = 0.0f;
+    }
+  }
+}
+
+/// The distance bin of every half metre up to the last one; the ends of bins are multiples of it.
+constexpr std::size_t kNumSteps = 33;
+const std::array<std::uint8_t, kNumSteps> kBinOfStep = [] {
+  const auto first = VisibilityGrid::kRangeEnds_m.begin();
+  std::array<std::uint8_t, kNumSteps> bins{};
+  for (std::size_t k = 0; k < kNumSteps; ++k) {
+    bins[k] = static_cast<std::uint8_t>(
+        std::upper_bound(first, first + (kNumRanges - 1), 0.5 * static_cast<double>(k)) - first);
+  }
+  return bins;
+}();
+
+std::size_t bin_of(double distance_m) {
+  return kBinOfStep[static_cast<std::size_t>(std::min(2.0 * distance_m, kNumSteps - 1.0))];
+}
+
+/// Neighbouring cells of a row as seen from a point. Computed as vectors and without branches,
+/// since there are billions of them in two large maps: a sector is that of a polynomial where this
+/// is sure, else exact.
+class FewCells {
+ public:
+  /// derived: divides a row of a tile; two vectors of SSE.
+  static constexpr int kNum = 8;
+
+  FewCells(const Vector2d& p, int x_first, int y)
+      : p_(p), x_first_(x_first), y_(y), distance_m_(), sector_() {
+    const double dy = centre_of(0, y).y() - p.y();
+    const Doubles dx =
+        (Doubles::LinSpaced(x_first, x_first + kNum - 1) + 0.5) * VisibilityGrid::kCell_m - p.x();
+    distance_m_ = (dx * dx + dy * dy).sqrt();
+    const Floats x_m = dx.cast<float>(), x_size_m = x_m.abs();
+    const auto y_m = static_cast<float>(dy);
+    const float y_size_m = std::abs(y_m);
+    const Floats t = x_size_m.min(y_size_m) / (x_size_m.max(y_size_m) + kTiny), tt = t * t;
+    // physical: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49; to 1e-5 rad.
+    const Floats acute =
+        static_cast<float>(kSectorsPerRad) * t *
+        (0.9998660f +
+         tt * (-0.3302995f + tt * (0.1801410f + tt * (-0.0851330f + tt * 0.0208351f))));
+    constexpr float kQuarter = kNumBearings / 4;
+    const Floats right = (kQuarter * one_above_zero(y_size_m - x_size_m) - acute).abs();
+    sector_ = (2.0f * kQuarter * one_above_zero(-x_m) - right).abs();
+    if (y_m < 0.0f) sector_ = 4.0f * kQuarter - sector_;
+  }
+
+  double distance_m(int i) const { return distance_m_[i]; }
+
+  std::size_t sector(int i) const {
+    // derived: five times the error of the polynomial, in sectors, beyond a metre.
+    constexpr float kUnsure = 0.012f;
+    const auto index = static_cast<int>(sector_[i]);
+    const float part = sector_[i] - static_cast<float>(index);
+    const bool is_sure = part > kUnsure && part < 1.0f - kUnsure && distance_m_[i] > 1.0;
+    return is_sure ? static_cast<std::size_t>(index)
+                   : bearing_index(centre_of(x_first_ + i, y_) - p_);
+  }
+
+ private:
+  using Doubles = Eigen::Array<double, kNum, 1>;
+  using Floats = Eigen::Array<float, kNum, 1>;
+  static constexpr float kTiny = 1e-30f;  ///< derived: against 0 / 0; less than any distance
+
+  /// 1 where a value is above 0, else 0.
+  static Floats one_above_zero(const Floats& values) {
+    return (values * (1.0f / kTiny)).max(0.0f).min(1.0f);
+  }
+
+  Vector2d p_;
+  int x_first_, y_;
+  Doubles distance_m_;
+  Floats sector_;
+};
+
+}  // namespace
+
+VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
+                               const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                               const SensorView& view)
+    : things_(positions_of(landmarks)), view_(view) {
+  for (const Landmark& l : landmarks) radius_m_.push_back(0.5 * l.width_m);
+  for (const auto& trajectory : trajectories) {
+    const std::vector<View> of_drive = views_of(trajectory, view);
+    views_.insert(views_.end(), of_drive.begin(), of_drive.end());
+  }
+}
+
+/// Free range from a pose in every direction of the map; 0 outside the field of view.
+std::vector<float> VisibilityGrid::free_distance_m(const View& from) const {
+  std::vector<float> free_m(kNumBearings, static_cast<float>(view_.reach_m));
+  for (const std::int32_t i : things_.within(from.p_laser, view_.reach_m)) {
     const auto k = static_cast<std::size_t>(i);
     const auto [distance_m, bearing_rad, half_rad] =
-        geometry::outline_of(things[k] - p, radius_m[k]);
-    if (distance_m <= radius_m[k] + 0.05) continue;
+        geometry::outline_of(things_[k] - from.p_laser, radius_m_[k]);
+    if (distance_m <= radius_m_[k] + 0.05) continue;
     const double step_rad = 2.0 * geometry::kPi / kNumBearings;
     // Directions whose centre the object covers.
     const auto first = static_cast<int>(std::ceil((bearing_rad - half_rad) / step_rad - 0.5));
@@ -202,84 +317,105 @@ std::vector<float> free_distance_m(const Vector2d& p, double reach_m,
       f = std::min(f, static_cast<float>(distance_m + kBehind_m));
     }
   }
+  close_behind(view_, from.yaw_rad, free_m);
   return free_m;
 }
 
-int cell_of(double coordinate_m) {
-  return static_cast<int>(
-      std::floor(std::clamp(coordinate_m, -5e8, 5e8) / VisibilityGrid::kCell_m));
-}
-
-/// Sets the range to 0 in directions outside the laser's field of view.
-void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& free_m) {
-  const double middle_rad = yaw_rad + 0.5 * (view.bearing_min_rad + view.bearing_max_rad);
-  const double half_rad = 0.5 * (view.bearing_max_rad - view.bearing_min_rad);
-  for (int b = 0; b < kNumBearings; ++b) {
-    const double bearing_rad = (b + 0.5) * 2.0 * geometry::kPi / kNumBearings;
-    if (std::abs(geometry::wrap_angle_rad(bearing_rad - middle_rad)) > half_rad) {
-      free_m[static_cast<std::size_t>(b)] = 0.0f;
-    }
+std::vector<VisibilityGrid::Seconds> VisibilityGrid::at(const std::vector<Vector2d>& points) const {
+  std::map<Index, std::size_t> place_of;
+  std::vector<std::size_t> places;
+  std::vector<Vector2d> centres;
+  for (const Vector2d& p : points) {
+    const Index cell(cell_of(p.x()), cell_of(p.y()));
+    const auto [place, is_new] = place_of.try_emplace(cell, centres.size());
+    if (is_new) centres.push_back(centre_of(cell.first, cell.second));
+    places.push_back(place->second);
   }
-}
-
-}  // namespace
-
-int VisibilityGrid::tile_of(int cell) {
-  return cell >= 0 ? cell / kTileCells : -((-cell + kTileCells - 1) / kTileCells);
-}
-
-VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
-                               const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
-                               const SensorView& view) {
-  std::vector<Vector2d> places;
-  std::vector<double> radius_m;
-  for (const Landmark& l : landmarks) {
-    places.push_back({l.x_m, l.y_m});
-    radius_m.push_back(0.5 * l.width_m);
-  }
-  const geometry::IndexedPoints things(std::move(places));
-  for (const auto& trajectory : trajectories) {
-    for (const View& v : views_of(trajectory, view)) {
-      std::vector<float> free_m = free_distance_m(v.p_laser, view.reach_m, things, radius_m);
-      close_behind(view, v.yaw_rad, free_m);
-      add_view(v.p_laser, view.reach_m, static_cast<float>(v.seconds), free_m);
-    }
-  }
-}
-
-void VisibilityGrid::add_view(const Vector2d& p_laser, double reach_m, float seconds,
-                              const std::vector<float>& free_m) {
-  const int x_first = cell_of(p_laser.x() - reach_m), x_last = cell_of(p_laser.x() + reach_m);
-  const int y_last = cell_of(p_laser.y() + reach_m);
-  Tile* tile = nullptr;
-  int tx = 0, ty = 0;
-  for (int y = cell_of(p_laser.y() - reach_m); y <= y_last; ++y) {
-    for (int x = x_first; x <= x_last; ++x) {
-      const Vector2d d = Vector2d((x + 0.5) * kCell_m, (y + 0.5) * kCell_m) - p_laser;
+  const geometry::IndexedPoints cells(std::move(centres));
+  std::vector<Seconds> times(cells.size(), Seconds{});
+  for (const View& v : views_) {
+    const std::vector<float> free_m = free_distance_m(v);
+    cells.near(v.p_laser, view_.reach_m, [&](std::int32_t i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Vector2d d = cells[k] - v.p_laser;
       const double distance_m = d.norm();
-      if (distance_m > reach_m || distance_m > free_m[bearing_index(std::atan2(d.y(), d.x()))]) {
-        continue;
+      if (distance_m > view_.reach_m || distance_m > free_m[bearing_index(d)]) return;
+      times[k][bin_of(distance_m)] += static_cast<float>(v.seconds);
+    });
+  }
+  std::vector<Seconds> result;
+  for (const std::size_t place : places) result.push_back(times[place]);
+  return result;
+}
+
+void VisibilityGrid::weigh(const Weights& per_second) {
+  std::map<Index, std::vector<std::uint32_t>> views_of_block;
+  constexpr int kBlockCells = kTileCells * kBlockTiles;
+  const auto block_of = [](double coordinate_m) {
+    return group_of(cell_of(coordinate_m), kBlockCells);
+  };
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    const Vector2d& p = views_[i].p_laser;
+    for (int y = block_of(p.y() - view_.reach_m); y <= block_of(p.y() + view_.reach_m); ++y) {
+      for (int x = block_of(p.x() - view_.reach_m); x <= block_of(p.x() + view_.reach_m); ++x) {
+        views_of_block[{x, y}].push_back(static_cast<std::uint32_t>(i));
       }
-      const int wanted_x = tile_of(x), wanted_y = tile_of(y);
-      if (tile == nullptr || wanted_x != tx || wanted_y != ty) {
-        tx = wanted_x, ty = wanted_y;
-        tile = &tiles_[{tx, ty}];
-        if (tile->empty()) tile->assign(kTileCells * kTileCells, Seconds{});
+    }
+  }
+  for (const auto& [block, views] : views_of_block) {
+    Block times;
+    for (const std::uint32_t i : views) add_view(views_[i], block, times);
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      if (times[k].empty()) continue;
+      const auto tile = static_cast<int>(k);
+      std::vector<double>& sums = sums_[{block.first * kBlockTiles + tile % kBlockTiles,
+                                         block.second * kBlockTiles + tile / kBlockTiles}];
+      sums.assign(kTileCells * kTileCells, 0.0);
+      for (std::size_t i = 0; i < times[k].size(); ++i) {
+        sums[i % sums.size()] += times[k][i] * per_second[i / sums.size()];
       }
-      const auto range = static_cast<std::size_t>(
-          std::upper_bound(kRangeEnds_m.begin(), kRangeEnds_m.end() - 1, distance_m) -
-          kRangeEnds_m.begin());
-      (*tile)[static_cast<std::size_t>((y - ty * kTileCells) * kTileCells + (x - tx * kTileCells))]
-             [range] += seconds;
+    }
+  }
+  views_ = {};
+  things_ = geometry::IndexedPoints({});
+}
+
+/// Adds what a pose sees of a block.
+void VisibilityGrid::add_view(const View& from, const Index& block, Block& times) const {
+  constexpr int kBlockCells = kTileCells * kBlockTiles;
+  const std::vector<float> free_m = free_distance_m(from);
+  const double reach_m = view_.reach_m;
+  const auto seconds = static_cast<float>(from.seconds);
+  const Vector2d& p = from.p_laser;
+  const int x_block = block.first * kBlockCells, y_block = block.second * kBlockCells;
+  const int y_last = std::min(cell_of(p.y() + reach_m), y_block + kBlockCells - 1);
+  for (int y = std::max(cell_of(p.y() - reach_m), y_block); y <= y_last; ++y) {
+    const double dy = centre_of(0, y).y() - p.y();
+    const double half_m = std::sqrt(std::max(0.0, reach_m * reach_m - dy * dy)) + kCell_m;
+    const int x_first = std::max(cell_of(p.x() - half_m) - x_block, 0) / FewCells::kNum;
+    const int x_end = std::min(cell_of(p.x() + half_m) - x_block, kBlockCells - 1);
+    Tile* tiles = &times[static_cast<std::size_t>((y - y_block) / kTileCells * kBlockTiles)];
+    const int row = (y - y_block) % kTileCells * kTileCells;
+    for (int x = x_first * FewCells::kNum; x <= x_end; x += FewCells::kNum) {
+      Tile& tile = tiles[x / kTileCells];
+      if (tile.empty()) tile.resize(kNumRanges * kTileCells * kTileCells);
+      float* const cells = tile.data() + row + x % kTileCells;
+      const FewCells few(p, x_block + x, y);
+      for (int i = 0; i < FewCells::kNum; ++i) {
+        const double distance_m = few.distance_m(i);
+        const bool is_seen = (distance_m <= reach_m) & (distance_m <= free_m[few.sector(i)]);
+        cells[bin_of(distance_m) * kTileCells * kTileCells + static_cast<std::size_t>(i)] +=
+            is_seen ? seconds : 0.0f;
+      }
     }
   }
 }
 
-VisibilityGrid::Seconds VisibilityGrid::at(const Vector2d& p_map) const {
+double VisibilityGrid::sum_at(const Vector2d& p_map) const {
   const int cx = cell_of(p_map.x()), cy = cell_of(p_map.y());
-  const int tx = tile_of(cx), ty = tile_of(cy);
-  const auto found = tiles_.find({tx, ty});
-  if (found == tiles_.end()) return {};
+  const int tx = group_of(cx, kTileCells), ty = group_of(cy, kTileCells);
+  const auto found = sums_.find({tx, ty});
+  if (found == sums_.end()) return 0.0;
   return found->second[static_cast<std::size_t>((cy - ty * kTileCells) * kTileCells +
                                                 (cx - tx * kTileCells))];
 }

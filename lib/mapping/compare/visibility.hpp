@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/point_grid.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -26,7 +27,8 @@ struct SensorView {
 /// Time for which each cell of 0.5 m was in view of a drive, per distance bin.
 ///
 /// Computed from poses along the path; landmarks of the drive's own map occlude what is behind
-/// them. Each pose counts for its duration, within limits.
+/// them. Each pose counts for its duration, within limits. The times of all cells together would
+/// need 170 MB per square kilometre: they are given for single cells, or summed with weights.
 class VisibilityGrid {
  public:
   /// derived: half the distance at which coverage changes.
@@ -35,26 +37,48 @@ class VisibilityGrid {
   static constexpr std::array<double, 12> kRangeEnds_m{1.5, 2.5, 3.5,  4.5,  5.5,  6.5,
                                                        7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
   using Seconds = std::array<float, kRangeEnds_m.size()>;  ///< time in view per distance bin
+  using Weights = std::array<double, kRangeEnds_m.size()>;
+
+  /// A pose of the drive, with the time that it stands for.
+  struct View {
+    Eigen::Vector2d p_laser{0.0, 0.0};
+    double yaw_rad = 0.0;
+    double seconds = 0.0;
+  };
 
   /// `trajectories`: T_map_base in order of utime, one per drive, in the landmarks' frame.
   VisibilityGrid(const std::vector<Landmark>& landmarks,
                  const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
                  const SensorView& view);
 
-  /// Time in view of the cell that contains a point of map.
-  Seconds at(const Eigen::Vector2d& p_map) const;
+  /// Times in view of the cells that contain points of map.
+  std::vector<Seconds> at(const std::vector<Eigen::Vector2d>& points) const;
+
+  /// Computes the sums over the distance bins of time times weight, of all cells; after it at()
+  /// knows nothing any more.
+  void weigh(const Weights& per_second);
+
+  /// The sum of the cell that contains a point of map; 0 before weigh().
+  double sum_at(const Eigen::Vector2d& p_map) const;
 
  private:
   /// derived: a tile is 16 m wide.
   static constexpr int kTileCells = 32;
-  using Tile = std::vector<Seconds>;
+  /// derived: 256 m wide, so that little is looked at from two blocks at a reach of 20 m; its times
+  /// need 13 MB.
+  static constexpr int kBlockTiles = 16;
+  using Tile = std::vector<float>;  ///< times of all its cells in the first bin, the second ...
+  using Block = std::array<Tile, kBlockTiles * kBlockTiles>;
+  using Index = std::pair<int, int>;
 
-  /// Tile index of a cell (integer division rounding towards minus infinity).
-  static int tile_of(int cell);
-  void add_view(const Eigen::Vector2d& p_laser, double reach_m, float seconds,
-                const std::vector<float>& free_m);
+  std::vector<float> free_distance_m(const View& from) const;
+  void add_view(const View& from, const Index& block, Block& times) const;
 
-  std::map<std::pair<int, int>, Tile> tiles_;
+  geometry::IndexedPoints things_;
+  std::vector<double> radius_m_;
+  std::vector<View> views_;
+  SensorView view_;
+  std::map<Index, std::vector<double>> sums_;  ///< by tile
 };
 
 /// Detection probability of one drive as a function of position.
@@ -100,10 +124,9 @@ class DetectionMap {
  private:
   bool is_known_ = false;
   std::vector<VisibilityGrid> raster_;  ///< one element, or none
-  std::array<double, VisibilityGrid::kRangeEnds_m.size()> rate_per_s_{};
-  double clear_visibility_ = 1.0;  ///< of well visible trees, relative to the average tree
-  double num_mapped_min_ = 1.0;    ///< min number of observations of mapped landmarks
-  double shape_ = 1.0;             ///< shape parameter of the negative binomial
+  double clear_visibility_ = 1.0;       ///< of well visible trees, relative to the average tree
+  double num_mapped_min_ = 1.0;         ///< min number of observations of mapped landmarks
+  double shape_ = 1.0;                  ///< shape parameter of the negative binomial
 };
 
 }  // namespace orchard::mapping

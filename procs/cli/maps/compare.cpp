@@ -81,14 +81,14 @@ void print_table(const io::ComparisonContent& content) {
 }  // namespace
 
 int run_compare(const CompareOptions& options) {
-  const MapInput input_a =
-      read_map_input("orchard compare", options.earlier_path, options.as_mapped);
-  const MapInput input_b = read_map_input("orchard compare", options.later_path, options.as_mapped);
+  MapInput input_a = read_map_input("orchard compare", options.earlier_path, options.as_mapped);
+  MapInput input_b = read_map_input("orchard compare", options.later_path, options.as_mapped);
   const io::StoredMap &a = input_a.map, &b = input_b.map;
-  require_views(options, a, options.earlier_path);
-  require_views(options, b, options.later_path);
+  require_views(options, input_a.mapped, options.earlier_path);
+  require_views(options, input_b.mapped, options.later_path);
   const mapping::DetectionMap view_a = view_of(input_a.mapped, options.reach_m);
   const mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
+  for (MapInput* input : {&input_a, &input_b}) input->mapped.trajectories.clear();  // large
   const mapping::MapAlignment alignment =
       register_map(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(

@@ -29,9 +29,11 @@ void warn_of_conflicts(const char* command, const std::string& path,
 }
 
 MapInput read_map_input(const char* command, const std::string& path, bool as_mapped) {
-  const io::CorrectedMapFolder folder = io::read_corrected_map(path, as_mapped);
+  io::CorrectedMapFolder folder = io::read_corrected_map(path, as_mapped);
   warn_of_conflicts(command, path, folder.corrected);
-  MapInput input{folder.mapped, folder.mapped, folder.corrected.row_names};
+  auto trajectories = std::move(folder.mapped.trajectories);  // large: not held twice
+  MapInput input{folder.mapped, std::move(folder.mapped), folder.corrected.row_names};
+  input.mapped.trajectories = std::move(trajectories);
   input.map.landmarks = folder.corrected.landmarks;
   input.map.next_id = folder.corrected.next_id;
   return input;

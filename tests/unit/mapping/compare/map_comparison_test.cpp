@@ -373,7 +373,7 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   EXPECT_LT(DetectionMap(landmarks, {path}, strict).probability_mapped({10.5, 2.0}, 0.5), 0.5);
   const VisibilityGrid grid(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
-    const VisibilityGrid::Seconds seconds = grid.at(p);
+    const VisibilityGrid::Seconds seconds = grid.at({p}).front();
     return seconds[0] + seconds[1] + seconds[2] + seconds[3];  // within 4.5 m
   };
   EXPECT_GT(seconds_near({8.4, 3.2}), 3.0);

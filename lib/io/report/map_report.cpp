@@ -35,6 +35,10 @@ using mapping::RowInventory;
 constexpr Colour kBar{90, 150, 105};
 constexpr double kNumber_px = 10.0, kTreePx = 4.0, kTreeManyPx = 2.5, kGapPx = 3.5;
 constexpr std::size_t kMany = 400;
+constexpr double kWidthMax_px = 760.0, kHeightMax_px = 860.0;  ///< derived: a page of A4
+/// derived: so many symbols of kTreeManyPx fill the page, side by side; more hide each other.
+constexpr auto kDrawnMax =
+    static_cast<std::size_t>(kWidthMax_px * kHeightMax_px / (4.0 * kTreeManyPx * kTreeManyPx));
 
 void draw_gap(PixelPoint centre, double radius_px, Canvas& canvas) {
   canvas.circle(centre, radius_px, kWhite, kGapColour);
@@ -124,7 +128,7 @@ std::string block_figure(const Block& block) {
   if (const auto& georeference = block.content.map.georeference) {
     heading.north_rad = 0.5 * geometry::kPi - georeference->yaw_rad;
   }
-  const MapFrame frame(points, legend_of(block), heading, PlotSizeMax{760.0, 860.0});
+  const MapFrame frame(points, legend_of(block), heading, PlotSizeMax{kWidthMax_px, kHeightMax_px});
   Canvas canvas(FigureFormat::kSvg, frame.width_px(), frame.height_px());
   draw_block(block, frame, canvas);
   return canvas.finish();
@@ -238,6 +242,11 @@ class Writer {
 
   void write_picture() {
     heading(texts_.picture);
+    const std::size_t num = content_.map.landmarks.size();
+    if (num > kDrawnMax) {
+      text(say(texts_.no_picture, {std::to_string(num), std::to_string(kDrawnMax)}));
+      return;
+    }
     document_.add_figure(block_figure({content_, inventory_, texts_}));
   }
 

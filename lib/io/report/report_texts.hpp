@@ -47,6 +47,12 @@ struct ReportTexts {
          "la cosecha y el vigor.");
   // The block's picture.
   const char* picture = of("The block", "La parcela");
+  /// {}: how many things the map has, {}: how many a page can show
+  const char* no_picture = of(
+      "No picture: of {} trees and other things, more than {} would hide each other on one page. "
+      "map.html and map.gpkg of the map show them.",
+      "Sin dibujo: de {} árboles y otras cosas, más de {} se taparían en una página. Los muestran "
+      "map.html y map.gpkg del mapa.");
   const char* legend_tree = of("tree", "árbol");
   const char* legend_other = of("other trunk", "otro tronco");
   const char* legend_gap = of("empty place", "marra");

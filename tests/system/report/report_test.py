@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from maps import rows_of  # noqa: E402
+from maps import landmark, rows_of, write_map  # noqa: E402
 
 
 def orchard(bin_folder, *arguments, code=0):
@@ -206,6 +206,14 @@ def main(bin_folder, rig, folder):
     os.remove(os.path.join(before, "trajectory.csv"))
     refused = orchard(bin_folder, "report", here, "--previous", before, "--out", again, code=3)
     assert "trajectory.csv" in refused.stderr, refused.stderr
+    # A page of 760 x 860 px has room for 26,144 symbols of 5 px: of one more tree there is no picture, which is said.
+    for num in (26144, 26145):
+        crowd = write_map(os.path.join(folder, f"crowd_{num}"),
+                          [landmark(k + 1, 2.0 * (k % 200), 4.0 * (k // 200)) for k in range(num)])
+        orchard(bin_folder, "report", crowd)
+        page = bytes_of(os.path.join(crowd, "report", "report.html"))
+        assert (b"No picture: of 26145 trees" in page) == (num > 26144), num
+        assert (len(page) < 100_000) == (num > 26144), (num, len(page))
     with open(os.path.join(here, "summary.json"), "w", encoding="utf-8") as file:
         file.write("[1, 2")
     refused = orchard(bin_folder, "report", here, "--out", again, code=3)

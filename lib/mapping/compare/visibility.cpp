@@ -213,8 +213,9 @@ void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& fr
   }
 }
 
-/// The distance bin of every half metre up to the last one; the ends of bins are multiples of it.
+/// derived: half metres up to the last end of a bin, 16 m, and what is beyond.
 constexpr std::size_t kNumSteps = 33;
+/// derived: the distance bin of every half metre, of which the ends of bins are multiples.
 const std::array<std::uint8_t, kNumSteps> kBinOfStep = [] {
   const auto first = VisibilityGrid::kRangeEnds_m.begin();
   std::array<std::uint8_t, kNumSteps> bins{};
@@ -350,7 +351,6 @@ std::vector<VisibilityGrid::Seconds> VisibilityGrid::at(const std::vector<Vector
 
 void VisibilityGrid::weigh(const Weights& per_second) {
   std::map<Index, std::vector<std::uint32_t>> views_of_block;
-  constexpr int kBlockCells = kTileCells * kBlockTiles;
   const auto block_of = [](double coordinate_m) {
     return group_of(cell_of(coordinate_m), kBlockCells);
   };
@@ -382,7 +382,6 @@ void VisibilityGrid::weigh(const Weights& per_second) {
 
 /// Adds what a pose sees of a block.
 void VisibilityGrid::add_view(const View& from, const Index& block, Block& times) const {
-  constexpr int kBlockCells = kTileCells * kBlockTiles;
   const std::vector<float> free_m = free_distance_m(from);
   const double reach_m = view_.reach_m;
   const auto seconds = static_cast<float>(from.seconds);

@@ -67,6 +67,7 @@ class VisibilityGrid {
   /// derived: 256 m wide, so that little is looked at from two blocks at a reach of 20 m; its times
   /// need 13 MB.
   static constexpr int kBlockTiles = 16;
+  static constexpr int kBlockCells = kTileCells * kBlockTiles;  ///< derived: of a block
   using Tile = std::vector<float>;  ///< times of all its cells in the first bin, the second ...
   using Block = std::array<Tile, kBlockTiles * kBlockTiles>;
   using Index = std::pair<int, int>;

@@ -87,27 +87,24 @@ FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
   }
 }
 
-std::string FarmFolder::programs() const {
+Programs FarmFolder::programs() const {
   const std::string folder = io::program_folder() + "/";
   const std::vector<std::string> files{folder + "orchard", folder + "orchard-maps",
                                        path("Snakefile")};
   std::string identity;
   for (const std::string& file : files) identity += identity_of(file) + "\n";
-  if (identity != programs_identity_) {
-    programs_digest_ = digest_of_files(files);
-    programs_identity_ = identity;
-  }
-  return programs_digest_;
+  if (identity != programs_.identity) programs_ = {identity, digest_of_files(files)};
+  return programs_;
 }
 
 void FarmFolder::adopt_programs(bool keep_others) const {
   if (keep_others && fs::exists(path(kVersionFile))) return;
-  io::write_file_atomically(path(kVersionFile), programs() + "\n");
+  io::write_file_atomically(path(kVersionFile), programs().digest + "\n");
 }
 
 FarmContent FarmFolder::read() const {
   FarmContent content = read_content(*this);
-  const std::string now = programs();
+  const std::string now = programs().digest;
   std::ifstream adopted(path(kVersionFile));
   if (!std::getline(adopted, content.settings.version)) content.settings.version = now;
   if (content.settings.version != now) {

@@ -19,6 +19,11 @@ struct TaskState {
   std::map<std::string, std::string> files;  ///< of the result, with their SHA-256
 };
 
+/// What makes results: the files as identity_of() tells them, and the digest of their bytes.
+struct Programs {
+  std::string identity, digest;
+};
+
 /// The user's files in a farm's folder: logs, rigs, settings.
 struct FarmContent {
   std::vector<farm::Drive> drives;
@@ -76,11 +81,14 @@ class FarmFolder {
 
   /// Digest of the bytes of all that makes a result: the programs that the steps call, and the
   /// Snakefile. Computed anew where one of these files is another.
-  std::string programs() const;
+  Programs programs() const;
+
+  /// Takes a digest as known where the files are those that it was computed of.
+  void know_programs(const Programs& known) const { programs_ = known; }
 
  private:
   std::string root_;
-  mutable std::string programs_identity_, programs_digest_;
+  mutable Programs programs_;
 };
 
 /// Allows one run at a time, of `farm run` or of what removes results.

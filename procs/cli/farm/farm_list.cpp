@@ -74,7 +74,8 @@ void write_list(const FarmFolder& farm, const FarmContent& content,
     if (!fs::exists(farm.path(copy))) io::write_file_atomically(farm.path(copy), text);
   }
   ordered_json json;
-  json["programs"] = farm.programs();
+  json["programs"] = farm.programs().digest;
+  json["programs_identity"] = farm.programs().identity;
   json["any_place"] = content.settings.any_place;
   json["publish_to"] = content.settings.publish_to;
   json["tasks"] = ordered_json::object();
@@ -93,6 +94,7 @@ StepList::StepList(const FarmFolder& farm) : farm_(farm) {
   if (!list_->is_object() || !list_->contains("tasks")) {
     refuse_input(farm.path(kListFile) + " cannot be read", kAgain);
   }
+  farm.know_programs({list_->value("programs_identity", ""), list_->value("programs", "")});
 }
 
 const nlohmann::json& StepList::entry(const std::string& step) const {
@@ -178,7 +180,7 @@ StepCommand StepList::command_of(const std::string& step) const {
 
 void StepList::require_inputs(const std::string& step) const {
   const auto& task = entry(step);
-  if (list_->at("programs") != farm_.programs()) {
+  if (list_->at("programs") != farm_.programs().digest) {
     refuse_input("the programs in " + io::program_folder() +
                      " or the Snakefile are not those of `orchard farm run`",
                  "install the same programs on all machines, or run it again");

@@ -84,7 +84,7 @@ long memory_mb() { return sysconf(_SC_PHYS_PAGES) / 1024 * (sysconf(_SC_PAGESIZE
 /// Prints the steps that a run would make; writes nothing.
 int print_open(const FarmFolder& farm, bool keep_version) {
   FarmContent content = farm.read();
-  if (!keep_version) content.settings.version = farm.programs();
+  if (!keep_version) content.settings.version = farm.programs().digest;
   int num = 0;
   for (const farm::FarmTask& task : farm.tasks_of(content)) {
     if (farm.is_made(task.name)) continue;
@@ -123,7 +123,7 @@ int run_engine(const FarmFolder& farm, const FarmRunOptions& options, const farm
   for (const auto& [phase, of_phase] : {std::pair{"maps", &lots.maps}, {"others", &lots.others}}) {
     if (of_phase->empty()) continue;
     std::vector<std::string> words = engine_words(options);
-    words.insert(words.end(), {"--config", "orchard=" + io::program_folder() + "/orchard",
+    words.insert(words.end(), {"--config", "orchard=" + io::program_folder() + "/orchard-maps",
                                std::string("phase=") + phase});
     const CommandResult end =
         run_command({words, false, said, said, farm.root(), [&] { progress.update(); }});

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from maps import landmark, rows_of, write_map  # noqa: E402
+from maps import landmark as tree_line, rows_of, write_map  # noqa: E402
 
 
 def orchard(bin_folder, *arguments, code=0):
@@ -209,7 +209,7 @@ def main(bin_folder, rig, folder):
     # A page of 760 x 860 px has room for 26,144 symbols of 5 px: of one more tree there is no picture, which is said.
     for num in (26144, 26145):
         crowd = write_map(os.path.join(folder, f"crowd_{num}"),
-                          [landmark(k + 1, 2.0 * (k % 200), 4.0 * (k // 200)) for k in range(num)])
+                          [tree_line(k + 1, 2.0 * (k % 200), 4.0 * (k // 200)) for k in range(num)])
         orchard(bin_folder, "report", crowd)
         page = bytes_of(os.path.join(crowd, "report", "report.html"))
         assert (b"No picture: of 26145 trees" in page) == (num > 26144), num

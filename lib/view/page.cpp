@@ -66,9 +66,11 @@ std::string with_background(std::string_view html, std::string_view background_j
   const std::size_t data_end = html.find("</script>", begin), title_end = html.find(kTitleEnd);
   if (data_end == html.npos || title_end > head) return {};
   // Neither numbers nor base 64 have the characters of its end.
-  if (html.substr(begin, kBackground.size()) == kBackground)
-    begin = html.find(kEnd, begin) + kEnd.size();
-  if (begin > data_end) return {};
+  if (html.substr(begin, kBackground.size()) == kBackground) {
+    const std::size_t end = html.find(kEnd, begin);
+    if (end == html.npos || end > data_end) return {};
+    begin = end + kEnd.size();
+  }
   std::string data = "{";
   data.append(background_json).append(html.substr(begin, data_end - begin));
   const bool has_tiles = html.substr(0, head).find(" file:") != html.npos;

@@ -458,6 +458,10 @@ EXPERIMENTS = {
     "page_speed": Experiment("The page", command="tests/experiments/page_speed.py out/tubes/map.html", rows=[
         Row("pan", "pan over 100,000 trees, no graphics card: pictures per second at zooms 1, 2.5, 6, 20", "30", "-"),
     ]),
+    "first_picture": Experiment("The page", command="tests/experiments/first_picture.py build/bin", rows=[
+        Row("first", "`map.html` of 20,000, 52,000 and 100,000 trees, four busy programs beside it on two cores: first picture, the "
+            "slowest of five openings", "1 s each", "-"),
+    ]),
     "watched": Experiment("The page", command="tests/experiments/watched_orchard.py", rows=[
         Row("live",
             "300 trees driven live, clicked, searched, edited on two pages: trees, clicks, numbers; first picture",

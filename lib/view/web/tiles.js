@@ -1,7 +1,7 @@
 // A map of too many landmarks for one page: an overview, and tiles that are loaded when they are in
 // view, from the page's server or, of a page on a disk, from the files beside it.
 
-const kTiledMost = 60000; // landmarks in view up to which tiles are loaded; fewer than a whole page may have
+const kTiledMost = 60000; // landmarks in view up to which tiles are loaded: a browser pans over 100,000
 const kTilesKept = 64; // loaded tiles that are kept for the way back
 
 class Tiles {

@@ -21,6 +21,8 @@ packages=(
   liblcm-dev liblcm-bin liblcm-java libjchart2d-java default-jdk-headless default-jre
   # mathematics, poses, rawlogs, geodesy
   libeigen3-dev libceres-dev libmetis-dev libmrpt-poses-dev libmrpt-obs-dev libgeographiclib-dev
+  # elementary functions that are equal on all processors
+  musl-dev
   # images
   # (libopencv-dev: the module packages alone carry no CMake config)
   libopencv-dev

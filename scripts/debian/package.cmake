@@ -39,6 +39,10 @@ foreach(part main dev python)
   install(FILES ${package_dir}/copyright ${package_dir}/changelog.Debian.gz
           DESTINATION ${doc}/${${part}_package} COMPONENT ${part})
 endforeach()
+# The programs hold functions of musl (lib/geometry/libm.cmake): its licence goes with them.
+if(ORCHARD_MUSL_LIBC AND EXISTS /usr/share/doc/musl-dev/copyright)
+  install(FILES /usr/share/doc/musl-dev/copyright DESTINATION ${doc}/${main_package} RENAME copyright.musl COMPONENT main)
+endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME orchard-mapper)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Shows that a map follows from its log and configuration only: maps the same logs again and again
 # with every core kept busy, in one process and in lockstep over multicast with the processes
-# started in every order, and compares map.csv and every derived channel.
+# started in every order, and compares map.csv and every derived channel; then, as on another
+# computer, on one core of an older processor, in another language and time zone, every file.
 # Prints a table of SHA-256 and SAME, or says what differs and exits 1.
 #   tests/experiments/determinism.sh [--runs N] [--orders N] [--build DIR] [--no-build] [--scenes LIST]
 #     --runs N       times that each log is mapped in one process (default 20)
@@ -129,6 +130,27 @@ lockstep() {
   compare "$scene" "lockstep started as $*" "$dir" "$dir/derived.lcm"
 }
 
+# elsewhere SCENE LOG CONFIG: compares all files of a map with those of a computer that is not like this one.
+elsewhere() {
+  local here=$out/$1.here there=$out/$1.there
+  "$bin/orchard" map "$2" --config "$3" --out "$here" --quiet
+  env "${of_another_computer[@]}" taskset -c 0 "$bin/orchard" map "$2" --config "$3" --out "$there" --quiet
+  if ! diff -rq "$here" "$there"; then
+    num_different=$((num_different + 1))
+    echo "DIFFERENT: $1, on another computer"
+  fi
+  rm -rf "$here" "$there"
+}
+# A processor of 2008: no AVX for libc, OpenCV and libjpeg.
+of_another_computer=(
+  "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-AVX512F"
+  OPENCV_CPU_DISABLE=SSE4.1,SSE4.2,AVX,FP16,FMA3,AVX2 JSIMD_FORCENONE=1 TZ=Asia/Kathmandu)
+if localedef -i de_DE -f UTF-8 "$out/de_DE.UTF-8" 2>/dev/null; then
+  of_another_computer+=("LOCPATH=$out" LC_ALL=de_DE.UTF-8)
+else
+  echo "determinism: in this language only: no sources of locales here (package locales)" >&2
+fi
+
 start_orders=(
   "detector pose mapper player" "player mapper pose detector" "pose player detector mapper"
   "mapper detector player pose" "detector mapper pose player" "player pose mapper detector")
@@ -180,7 +202,8 @@ for scene in ${scenes//,/ }; do
     lockstep "$scene" "$log" $config ${start_orders[order % 6]}
   done
   [ -e "$out/$scene.sums" ] || fail "nothing was run"
-  echo "$scene: $runs times in one process, $orders times in lockstep, $(nproc) cores kept busy"
+  elsewhere "$scene" "$log" $config
+  echo "$scene: $runs times in one process, $orders times in lockstep, $(nproc) cores kept busy; as another computer"
   while read -r sum name; do printf '  %-12s %s\n' "$name" "$sum"; done <"$out/$scene.sums"
 done
 

@@ -36,6 +36,10 @@ constexpr double kLagSd_s = 0.5;
 constexpr double kTurnFloor_rad = 5e-4;
 constexpr double kWayFloor_m = 1e-3;
 
+/// derived: an error of matching turns about what is seen, and so looks like a mount there; of a
+/// turn this many errors large it is 4 % (1 / (1 + 5^2)). What turns less does not tell the mount.
+constexpr double kTurnMin_sigma = 5.0;
+
 /// The unknowns in their order.
 enum Unknown { kX, kY, kYaw, kWay, kTurn, kBias, kLag, kNum };
 using Unknowns = Eigen::Matrix<double, kNum, 1>;
@@ -130,6 +134,9 @@ Solution solve(const std::vector<MotionPair>& pairs) {
     Jacobian J;
     for (const MotionPair& pair : pairs) {
       const Eigen::Vector3d r = residual_of(pair, u, J);
+      if (std::abs(pair.laser.z()) < kTurnMin_sigma * scatter.turn_rad) {
+        J.leftCols<kYaw>().setZero();
+      }
       const double way_sigma = r.head<2>().norm() / scatter.way_m;
       const double turn_sigma = std::abs(r.z()) / scatter.turn_rad;
       const double weight = weight_of(std::max(way_sigma / std::sqrt(2.0), turn_sigma), round);

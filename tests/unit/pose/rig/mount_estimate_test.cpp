@@ -73,6 +73,25 @@ TEST(MountEstimate, WithoutATurnThePlaceIsNotKnownButTheDirectionIs) {
   EXPECT_NEAR(found->mount_yaw_rad.value, kMount.z(), 0.01);
 }
 
+TEST(MountEstimate, ErrorsOfMatchingAreNoTurns) {
+  // Where matched scans turn wrongly, they turn about what they see, and so err in the way, too.
+  const Eigen::Vector2d p_seen(5.0, -6.0);
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> error_rad(0.0, 0.003);
+    std::vector<MotionPair> pairs = motions(150, 0.0, seed);
+    for (MotionPair& pair : pairs) {
+      const double turn = error_rad(random);
+      pair.laser += Eigen::Vector3d(turn * p_seen.y(), -turn * p_seen.x(), turn);
+    }
+    const auto found = estimate_mount(pairs);
+    ASSERT_TRUE(found);
+    expect_within(found->mount_x_m, kMount.x(), 3.0, 4.0);
+    expect_within(found->mount_y_m, kMount.y(), 3.0, 4.0);
+    EXPECT_GT(found->mount_x_m.sd, 1.0);
+  }
+}
+
 TEST(MountEstimate, AMirroredScannerIsSeenAndMirroredBack) {
   std::vector<MotionPair> pairs = motions(80, 0.5, 7);
   for (MotionPair& pair : pairs) {

@@ -26,6 +26,8 @@ constexpr double kStretchTurn_rad = 0.5;
 /// drive of some hundred metres, a third of that. More would only cost; so would keys without end
 /// where scans do not determine the motion.
 constexpr std::size_t kStretchesMax = 150;
+/// derived: half of them may be straight; turns alone tell the mount, and rows may be long.
+constexpr std::size_t kStraightMax = kStretchesMax / 2;
 constexpr std::size_t kKeysMax = 1000;
 constexpr std::size_t kFirstJudgement = 50;
 /// derived: twenty seconds of scans at 10 Hz; who is later than that does not come.
@@ -183,7 +185,9 @@ laser::LaserConfig at_origin() { return {}; }
 
 ScannerPath::ScannerPath(const ScanMotionConfig& config, const laser::BlindSector& blind,
                          const laser::LaserConfig& stated)
-    : motion_(without_search(config), at_origin(), blind),
+    : config_(without_search(config)),
+      blind_(blind),
+      motion_(config_, at_origin(), blind_),
       T_base_laser_(stated.mount_x_m, stated.mount_y_m, stated.mount_yaw_rad) {}
 
 bool ScannerPath::is_complete() const {
@@ -224,6 +228,13 @@ void ScannerPath::use(const laser::Scan& scan, const std::optional<Anchor>& anch
   if (last_key_ && last_key_->place.piece == anchor->place.piece) {
     const Eigen::Vector3d moved = between(last_key_->place.T_path_base, anchor->place.T_path_base);
     if (moved.head<2>().norm() < kKeyWay_m && std::abs(moved.z()) < kKeyTurn_rad) return;
+    const bool turns = std::abs(moved.z()) > kKeyTurn_rad * kKeyWay_m / kStretchWay_m;
+    if (num_straight_ >= kStraightMax && !turns) {
+      if (stretch_start_) motion_ = ScanMotion(config_, at_origin(), blind_);
+      stretch_start_.reset();
+      last_key_ = anchor;
+      return;
+    }
   }
   match(scan, *anchor);
   last_key_ = anchor;
@@ -238,6 +249,7 @@ void ScannerPath::match(const laser::Scan& scan, const Anchor& anchor) {
   const std::optional<MeasuredMotion> motion = motion_.add(scan, predicted);
   const bool follows = motion && motion->reliable && stretch_start_ &&
                        stretch_start_->place.piece == anchor.place.piece;
+  if (motion && !motion->reliable) ++num_lost_;
   if (!follows) {
     stretch_start_ = anchor;
     T_start_laser_.setZero();
@@ -269,6 +281,7 @@ void ScannerPath::end_stretch(const Anchor& anchor) {
         geometry::wrap_angle_rad(later.z() - earlier.z()) / (2.0 * timing::seconds(kLagSpan_us));
   }
   pairs_.push_back(pair);
+  if (std::abs(T_start_laser_.z()) < kKeyTurn_rad) ++num_straight_;
   stretch_start_ = anchor;
   T_start_laser_.setZero();
 }

@@ -66,7 +66,7 @@ class ScannerPath {
   const std::vector<Key>& keys() const { return keys_; }
   /// Fraction of the scans whose motion they determine, without the wheels.
   double determined() const {
-    return keys_.empty() ? 0.0 : 1.0 - static_cast<double>(keys_.back().piece) / keys_.size();
+    return keys_.empty() ? 0.0 : 1.0 - static_cast<double>(num_lost_) / keys_.size();
   }
 
  private:
@@ -81,13 +81,17 @@ class ScannerPath {
   void match(const laser::Scan& scan, const Anchor& anchor);
   void end_stretch(const Anchor& anchor);
 
+  PoseConfig config_;
+  laser::BlindSector blind_;
   ScanMotion motion_;
   Eigen::Vector3d T_base_laser_;
   std::deque<laser::Scan> waiting_;
   std::optional<Anchor> last_key_, stretch_start_;
   Eigen::Vector3d T_start_laser_ = Eigen::Vector3d::Zero();
   std::vector<MotionPair> pairs_;
+  std::size_t num_straight_ = 0;
   std::vector<Key> keys_;
+  std::size_t num_lost_ = 0;  ///< keys whose scans did not determine the motion
 };
 
 /// Compares what the rig states with what its drive shows: the scanners' motion against the wheels'

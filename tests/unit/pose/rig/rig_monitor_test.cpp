@@ -37,29 +37,32 @@ struct Drive {
   std::vector<laser::Scan> front, rear;
 };
 
-/// Up and down the rows of a cast orchard, turning to both sides, with true wheels and exact scans.
+/// First to and fro along a row for so many periods, then up and down the rows of a cast orchard,
+/// turning to both sides, with true wheels and exact scans.
+Drive driven(int num_to_and_fro) {
+  const CastWorld world = orchard_world();
+  const RigFacts rig = right_rig();
+  Drive made;
+  Eigen::Vector3d T_map_base(1.5, -4.0, 0.0);
+  for (int k = 0; k < num_to_and_fro + 420; ++k) {
+    const int i = k - num_to_and_fro;
+    const bool is_straight = i < 0 || i % 140 < 90;
+    const std::int64_t utime = static_cast<std::int64_t>(k * kPeriod_s * 1e6);
+    Odometry odometry;
+    odometry.utime = utime;
+    odometry.speed_mps = i < 0 && k / 60 % 2 == 1 ? -0.8 : 0.8;
+    odometry.yaw_rate_radps = is_straight ? 0.0 : (i / 140 % 2 == 0 ? 0.314 : -0.314);
+    T_map_base = compose(T_map_base, arc_motion(odometry.speed_mps, odometry.yaw_rate_radps,
+                                                k > 0 ? kPeriod_s : 0.0));
+    made.wheels.push_back(odometry);
+    made.front.push_back(world.scan(utime, compose(T_map_base, mount_of(rig.laser)), nullptr));
+    made.rear.push_back(world.scan(utime, compose(T_map_base, mount_of(rig.laser_rear)), nullptr));
+  }
+  return made;
+}
+
 const Drive& true_drive() {
-  static const Drive drive = [] {
-    const CastWorld world = orchard_world();
-    const RigFacts rig = right_rig();
-    Drive made;
-    Eigen::Vector3d T_map_base(1.5, -4.0, 0.0);
-    for (int i = 0; i < 420; ++i) {
-      const std::int64_t utime = static_cast<std::int64_t>(i * kPeriod_s * 1e6);
-      const double yaw_rate_radps = i % 140 < 90 ? 0.0 : (i / 140 % 2 == 0 ? 0.314 : -0.314);
-      Odometry odometry;
-      odometry.utime = utime;
-      odometry.speed_mps = 0.8;
-      odometry.yaw_rate_radps = yaw_rate_radps;
-      T_map_base = compose(T_map_base,
-                           arc_motion(odometry.speed_mps, yaw_rate_radps, i > 0 ? kPeriod_s : 0.0));
-      made.wheels.push_back(odometry);
-      made.front.push_back(world.scan(utime, compose(T_map_base, mount_of(rig.laser)), nullptr));
-      made.rear.push_back(
-          world.scan(utime, compose(T_map_base, mount_of(rig.laser_rear)), nullptr));
-    }
-    return made;
-  }();
+  static const Drive drive = driven(0);
   return drive;
 }
 
@@ -111,6 +114,15 @@ TEST(RigMonitor, NamesTheKeyThatIsWrongAndTheValueThatFits) {
   RigFacts exchanged = right_rig();
   std::swap(static_cast<laser::LaserConfig&>(exchanged.laser_rear), exchanged.laser);
   EXPECT_EQ(names(checked(exchanged, true_drive())), Names{"scanners_exchanged"});
+}
+
+TEST(RigMonitor, ATurnAfterLongRowsTellsTheMount) {
+  RigFacts facts = right_rig();
+  facts.laser.mount_x_m = 0.9;
+  const RigMonitor monitor = checked(facts, driven(1200));  // 192 m
+  EXPECT_EQ(names(monitor), Names{"laser_mount"});
+  ASSERT_TRUE(monitor.estimates().laser);
+  EXPECT_NEAR(monitor.estimates().laser->mount_x_m.value, 0.4, 0.03);
 }
 
 TEST(RigMonitor, NamesWheelsAndScansThatContradictEachOther) {

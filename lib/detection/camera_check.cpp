@@ -26,7 +26,7 @@ constexpr double kRateStep_s = 0.002;
 constexpr int kFocalSteps = 26;         // to either side
 constexpr double kFocalRatio = 1.0433;  // 1.0433^26 = 3
 constexpr double kShiftMax_deg = 15.0;
-constexpr double kShiftStep_px = 1.0;
+constexpr int kShiftStep_px = 1;
 constexpr double kDelayMax_s = 0.4;
 constexpr double kDelayStep_s = 0.02;
 constexpr double kTiltMax_deg = 12.0;
@@ -79,10 +79,17 @@ std::vector<float> profile_of(const vision::EdgeMap& map, int first_row, int num
   return soft;
 }
 
-double at_column(const std::vector<float>& profile, double column_px) {
-  const double x = column_px + 0.5;
-  const bool is_inside = x >= 0.0 && x < static_cast<double>(profile.size());  // false for NaN
-  return is_inside ? static_cast<double>(profile[static_cast<std::size_t>(x)]) : 0.0;
+/// Adds the profile's values at a column moved by -n to n steps to the 2 n + 1 sums.
+void add_shifted(const std::vector<float>& profile, double column_px, int step_px,
+                 std::vector<double>& sums) {
+  const double middle = std::floor(column_px + 0.5);
+  if (!(std::abs(middle) < 1e6)) return;
+  const int width = static_cast<int>(profile.size());
+  int x = static_cast<int>(middle) - step_px * static_cast<int>(sums.size() / 2);
+  for (double& sum : sums) {
+    if (x >= 0 && x < width) sum += static_cast<double>(profile[static_cast<std::size_t>(x)]);
+    x += step_px;
+  }
 }
 
 /// Columns per row of an upright line at a pixel, by the rig.
@@ -168,37 +175,38 @@ struct CameraCheck::Fit {
 
 /// How upright lines lie beside what the rig says.
 struct CameraCheck::Tilt {
-  bool is_any = true;  ///< else all bands are taken together, whatever the tilt
   double roll_rad = 0.0;
   double pitch_rad = 0.0;
 };
 
-/// Standard deviations by which the edges at the expected columns are more than by chance.
-double CameraCheck::score(const Camera& camera, const Tilt& tilt) const {
+/// Standard deviations by which the edges at the expected columns are more than by chance, for each
+/// shift by -`num_shifts` to `num_shifts` steps. Without a tilt all bands are taken together.
+std::vector<double> CameraCheck::scores(const Camera& camera, const std::optional<Tilt>& tilt,
+                                        int num_shifts, int step_px) const {
   const auto& intrinsics = rig_.camera.intrinsics();
   const double centre_px = intrinsics.cc_px[0], focal_px = intrinsics.fc_px[0];
-  double sum = 0.0;
+  std::vector<double> sums(2 * static_cast<std::size_t>(num_shifts) + 1, 0.0);
   std::size_t num = 0;
   for (std::size_t i = 0; i < sights_.size(); i += stride()) {
     const CameraSight& sight = sights_[i];
     num += sight.sides.size();
     for (const CameraSight::Side& side : sight.sides) {
-      const double away_px = side.column_px + camera.later_s * side.rate_px_per_s - centre_px;
-      const double column_px = centre_px + camera.zoom * away_px + camera.shift_px;
-      if (!tilt.is_any) {
-        sum += at_column(sight.all_bands, column_px);
+      const double away_px =
+          camera.zoom * (side.column_px + camera.later_s * side.rate_px_per_s - centre_px);
+      if (!tilt) {
+        add_shifted(sight.all_bands, centre_px + away_px, step_px, sums);
         continue;
       }
-      const double slope =
-          side.slope + tilt.roll_rad + tilt.pitch_rad * (column_px - centre_px) / focal_px;
+      const double slope = side.slope + tilt->roll_rad + tilt->pitch_rad * away_px / focal_px;
       for (std::size_t band = 0; band < sight.bands.size(); ++band) {
-        sum += at_column(sight.bands[band],
-                         column_px + slope * (sight.band_row_px[band] - side.row_px));
+        const double lower_px = sight.band_row_px[band] - side.row_px;
+        add_shifted(sight.bands[band], centre_px + away_px + slope * lower_px, step_px, sums);
       }
     }
   }
   // An edge that crosses all bands is one edge: the bands count as one.
-  return sum / (kBands * std::sqrt(static_cast<double>(num)));
+  for (double& sum : sums) sum /= kBands * std::sqrt(static_cast<double>(num));
+  return sums;
 }
 
 /// The step between the pictures that are used: a part of many is enough.
@@ -233,11 +241,12 @@ CameraCheck::Fit CameraCheck::best_of(double sign, int num_zooms, int num_delays
   Fit best;
   for (int f = -num_zooms; f <= num_zooms; ++f) {
     for (int d = -num_delays; d <= num_delays; ++d) {
-      for (int s = -num_shifts; s <= num_shifts; ++s) {
-        const Camera camera{sign * std::pow(kFocalRatio, f), s * kShiftStep_px, d * kDelayStep_s};
-        const double fit = score(camera, {false, 0.0, 0.0});
-        if (fit > best.score) best = {camera, fit};
-      }
+      Camera camera{sign * std::pow(kFocalRatio, f), 0.0, d * kDelayStep_s};
+      const std::vector<double> fits = scores(camera, std::nullopt, num_shifts, kShiftStep_px);
+      const auto best_shift = std::max_element(fits.begin(), fits.end());
+      if (*best_shift <= best.score) continue;
+      camera.shift_px = kShiftStep_px * static_cast<double>(best_shift - fits.begin() - num_shifts);
+      best = {camera, *best_shift};
     }
   }
   return best;
@@ -307,19 +316,16 @@ void CameraCheck::judge_tilt() {
   const int num_shifts = static_cast<int>(shift_max_px / kShiftStep_px);
   // Leaning lines met at one height are shifted: the best shift goes with each tilt.
   const auto best_shifted = [&](const Tilt& tilt) {
-    double fit = -1e9;
-    for (int s = -num_shifts / 2; s <= num_shifts / 2; ++s) {
-      fit = std::max(fit, score({1.0, 2.0 * s * kShiftStep_px, 0.0}, tilt));
-    }
-    return fit;
+    const std::vector<double> fits = scores({}, tilt, num_shifts / 2, 2 * kShiftStep_px);
+    return *std::max_element(fits.begin(), fits.end());
   };
-  Tilt best{true, 0.0, 0.0};
+  Tilt best;
   double best_score = best_shifted(best);
   const auto search = [&](double step_deg, int num) {
     const Tilt start = best;
     for (int r = -num; r <= num; ++r) {
       for (int p = -num; p <= num; ++p) {
-        const Tilt tilt{true, start.roll_rad + radians(r * step_deg),
+        const Tilt tilt{start.roll_rad + radians(r * step_deg),
                         start.pitch_rad + radians(p * step_deg)};
         const double fit = best_shifted(tilt);
         if (fit <= best_score) continue;
@@ -334,7 +340,7 @@ void CameraCheck::judge_tilt() {
   const double pitch_deg = best.pitch_rad * 180.0 / geometry::kPi;
   const std::string by = fmt::format(" (edges of {} pictures)", sights_.size());
   if (std::abs(roll_deg) > kTiltTolerance_deg &&
-      best_score > best_shifted({true, 0.0, best.pitch_rad}) + kBetter_sigma) {
+      best_score > best_shifted({0.0, best.pitch_rad}) + kBetter_sigma) {
     findings_.push_back(
         {"camera_roll", "camera.phi_rad",
          fmt::format("upright edges lean by {:.0f} degrees more than camera.phi_rad "
@@ -343,7 +349,7 @@ void CameraCheck::judge_tilt() {
              by});
   }
   if (std::abs(pitch_deg) > kTiltTolerance_deg &&
-      best_score > best_shifted({true, best.roll_rad, 0.0}) + kBetter_sigma) {
+      best_score > best_shifted({best.roll_rad, 0.0}) + kBetter_sigma) {
     findings_.push_back(
         {"camera_pitch", "camera.phi_rad",
          fmt::format("upright edges converge as of a camera that looks {:.0f} degrees further {} "

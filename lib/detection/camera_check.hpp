@@ -65,7 +65,8 @@ class CameraCheck {
   struct Camera;
   struct Tilt;
   struct Fit;
-  double score(const Camera& camera, const Tilt& tilt) const;
+  std::vector<double> scores(const Camera& camera, const std::optional<Tilt>& tilt, int num_shifts,
+                             int step_px) const;
   std::size_t stride() const;
   Fit best_of(double sign, int num_zooms, int num_delays, int num_shifts) const;
   void judge();

@@ -15,8 +15,8 @@
 
 namespace orchard::view {
 
-/// Number of landmarks up to which the page has the whole map: as many as a browser on a busy laptop
-/// shows within its first second (tests/RESULTS.md, "first picture").
+/// Number of landmarks up to which the page has the whole map: as many as a browser on a busy
+/// laptop shows within its first second (tests/RESULTS.md, "first picture").
 inline constexpr std::size_t kWholePage_landmarks = 20000;
 
 /// A large map in square tiles, so that a page begins with an overview and fetches only tiles that

@@ -126,7 +126,8 @@ pose::PriorMapData read_prior_map(const pose::PoseConfig& pose_config) {
   if (!is_folder) return earlier;
   const StoredMap map = read_stored_map(config.map_file);
   const mapping::DetectionMap view(map.landmarks, map.trajectories, map.view);
-  for (std::size_t i = 0; i < used.size(); ++i) earlier.landmarks[i].rate = view.rate(used[i]);
+  const std::vector<double> rates = view.rates(used);
+  for (std::size_t i = 0; i < used.size(); ++i) earlier.landmarks[i].rate = rates[i];
   earlier.path_m = laser_path(map);
   earlier.reach_m = map.view.reach_m;
   return earlier;

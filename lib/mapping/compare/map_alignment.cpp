@@ -36,9 +36,11 @@ struct AlignmentTrunks {
   geometry::IndexedPoints places;
   std::vector<double> width_m;
   std::vector<const Landmark*> landmarks;
-  /// Probability that an existing trunk of the other map, at a position in this map's frame, is
-  /// missing from this map, given its repeat rate.
-  std::function<double(const Eigen::Vector2d&, const Landmark& of_other)> missed;
+  /// Probabilities that existing trunks of the other map, at positions in this map's frame, are
+  /// missing from this map, given their repeat rates.
+  std::function<std::vector<double>(const std::vector<Vector2d>&,
+                                    const std::vector<const Landmark*>& of_other)>
+      missed;
 };
 
 /// Log-likelihood ratio of each trunk, alignment hypothesis against null hypothesis (different
@@ -140,15 +142,60 @@ PairNoise shrunk_noise(const PairNoise& own, const PairNoise& null, std::size_t 
   return noise;
 }
 
-/// Log-likelihood ratios of all trunks for one hypothesis. `noise`: of its pairs; `null`: of the
-/// null hypothesis.
+/// Which of a map's trunks have no partner in a hypothesis, in order; `side`: of that map.
+std::vector<std::size_t> unpaired_of(std::size_t num, const std::vector<LandmarkPair>& pairs,
+                                     std::int32_t LandmarkPair::*side) {
+  std::vector<bool> is_paired(num, false);
+  for (const LandmarkPair& pair : pairs) is_paired[static_cast<std::size_t>(pair.*side)] = true;
+  std::vector<std::size_t> unpaired;
+  for (std::size_t i = 0; i < num; ++i) {
+    if (!is_paired[i]) unpaired.push_back(i);
+  }
+  return unpaired;
+}
+
+/// The trunks of one map that each hypothesis leaves without a partner, and the probabilities that
+/// the other map misses them: of all hypotheses at once, since the other drive is looked through
+/// for them.
+struct Unpaired {
+  std::vector<std::vector<std::size_t>> trunks;  ///< per hypothesis
+  std::vector<std::vector<double>> missed;       ///< the same
+};
+
+/// `T_other_map`: from the map to the other one, per hypothesis.
+Unpaired unpaired_by(const AlignmentTrunks& map, const AlignmentTrunks& other,
+                     const std::vector<AlignmentCandidate>& candidates,
+                     std::int32_t LandmarkPair::*side,
+                     const std::vector<geometry::Pose2>& T_other_map) {
+  Unpaired unpaired;
+  std::vector<Vector2d> p_other;
+  std::vector<const Landmark*> landmarks;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    unpaired.trunks.push_back(unpaired_of(map.places.size(), candidates[k].pairs, side));
+    for (const std::size_t i : unpaired.trunks.back()) {
+      p_other.push_back(transform(T_other_map[k], map.places[i]));
+      landmarks.push_back(map.landmarks[i]);
+    }
+  }
+  const std::vector<double> missed = other.missed(p_other, landmarks);
+  auto begin = missed.begin();
+  for (const std::vector<std::size_t>& trunks : unpaired.trunks) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(trunks.size());
+    unpaired.missed.emplace_back(begin, end);
+    begin = end;
+  }
+  return unpaired;
+}
+
+/// Log-likelihood ratios of all trunks for hypothesis k. `noise`: of its pairs; `null`: of the null
+/// hypothesis.
 AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b,
-                              const AlignmentCandidate& candidate, const PairNoise& noise,
+                              const AlignmentCandidate& candidate, const Unpaired& of_a,
+                              const Unpaired& of_b, std::size_t k, const PairNoise& noise,
                               const PairNoise& null) {
   AlignmentEvidence evidence;
   evidence.of_a.assign(a.places.size(), 0.0);
   evidence.of_b.assign(b.places.size(), 0.0);
-  std::vector<bool> a_is_paired(a.places.size(), false), b_is_paired(b.places.size(), false);
   const double anywhere = 1.0 / (geometry::kPi * noise.gate_m * noise.gate_m);
   const auto any_width = [&](std::size_t j) {
     return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
@@ -164,22 +211,19 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
                          normal_density(pair.residual_m.y(), noise.position_sd_m);
     const double width =
         normal_density(b.width_m[j] - a.width_m[i] - noise.width_offset_m, noise.width_sd_m);
-    a_is_paired[i] = b_is_paired[j] = true;
     evidence.num_judged_b += 1.0;
     evidence.of_b[j] =
         std::log((1.0 - kChangedFraction) * ((1.0 - tuning::kOutlierFraction) * place * width +
                                              tuning::kOutlierFraction * anywhere * any_width(j))) -
         of_null;
   }
-  const geometry::Pose2 T_b_a = inverse(candidate.T_a_b);
-  for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (a_is_paired[i]) continue;
-    const double missed = b.missed(transform(T_b_a, a.places[i]), *a.landmarks[i]);
-    evidence.of_a[i] = std::log(kChangedFraction + (1.0 - kChangedFraction) * missed);
+  for (std::size_t n = 0; n < of_a.trunks[k].size(); ++n) {
+    evidence.of_a[of_a.trunks[k][n]] =
+        std::log(kChangedFraction + (1.0 - kChangedFraction) * of_a.missed[k][n]);
   }
-  for (std::size_t j = 0; j < b.places.size(); ++j) {
-    if (b_is_paired[j]) continue;
-    const double missed = a.missed(transform(candidate.T_a_b, b.places[j]), *b.landmarks[j]);
+  for (std::size_t n = 0; n < of_b.trunks[k].size(); ++n) {
+    const std::size_t j = of_b.trunks[k][n];
+    const double missed = of_b.missed[k][n];
     evidence.num_judged_b += 1.0 - missed;
     // New, or missed by the other drive; a missed one has the likelihood of the null hypothesis.
     evidence.of_b[j] = std::log(
@@ -245,15 +289,17 @@ Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
     s.trunks.width_m.push_back(landmarks[i].width_m);
     s.trunks.landmarks.push_back(&landmarks[i]);
   }
-  s.trunks.places = geometry::IndexedPoints(places);
+  s.trunks.places = geometry::IndexedPoints(std::move(places));
   if (view.is_known()) {
-    s.trunks.missed = [&view, &of_other](const Vector2d& p, const Landmark& l) {
-      return view.probability_missed(p, of_other, l);
+    s.trunks.missed = [&view, &of_other](const std::vector<Vector2d>& p,
+                                         const std::vector<const Landmark*>& landmarks_there) {
+      return view.probabilities_missed(p, of_other, landmarks_there);
     };
   } else {
-    s.trunks.missed = [points = geometry::IndexedPoints(std::move(places))](const Vector2d& p,
-                                                                            const Landmark&) {
-      return is_surrounded(points, p) ? 0.0 : 1.0;
+    s.trunks.missed = [points = s.trunks.places](const std::vector<Vector2d>& p, const auto&) {
+      std::vector<double> missed;
+      for (const Vector2d& there : p) missed.push_back(is_surrounded(points, there) ? 0.0 : 1.0);
+      return missed;
     };
   }
   return s;
@@ -394,11 +440,21 @@ class MapAligner {
     for (const AlignmentCandidate& c : rated.candidates) {
       rated.noise.push_back(pair_noise(a_.trunks, b_.trunks, c.pairs, search_.gate_m));
     }
+    std::vector<geometry::Pose2> T_a_b, T_b_a;
+    for (const AlignmentCandidate& c : rated.candidates) {
+      T_a_b.push_back(c.T_a_b);
+      T_b_a.push_back(inverse(c.T_a_b));
+    }
+    const Unpaired of_a =
+        unpaired_by(a_.trunks, b_.trunks, rated.candidates, &LandmarkPair::a, T_b_a);
+    const Unpaired of_b =
+        unpaired_by(b_.trunks, a_.trunks, rated.candidates, &LandmarkPair::b, T_a_b);
     const PairNoise null = null_noise(rated.noise);
     for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
       const AlignmentCandidate& c = rated.candidates[k];
-      rated.evidence.push_back(evidence_of(
-          a_.trunks, b_.trunks, c, shrunk_noise(rated.noise[k], null, c.pairs.size()), null));
+      rated.evidence.push_back(evidence_of(a_.trunks, b_.trunks, c, of_a, of_b, k,
+                                           shrunk_noise(rated.noise[k], null, c.pairs.size()),
+                                           null));
       if (k != rated.best &&
           compare_hypotheses(rated.evidence[k], rated.evidence[rated.best]).log_odds > 0.0) {
         rated.best = k;

@@ -216,6 +216,7 @@ struct Side {
   geometry::IndexedPoints places;
   std::vector<char> in_clump;
   std::vector<bool> is_paired;
+  std::vector<double> missed;  ///< probability that the other drive does not map it if it exists
   /// Probability that an unpaired landmark did not move but is gone or new.
   std::vector<double> not_moved;
 
@@ -241,6 +242,8 @@ class MapComparer {
            without_local_deformation(a_.places, geometry::IndexedPoints(landmark_positions(b)),
                                      alignment.T_a_b, alignment.pairs),
            config.clump) {
+    a_.missed = missed_by(b_, a_);
+    b_.missed = missed_by(a_, b_);
     const double spacing_m =
         geometry::typical_spacing_m(geometry::IndexedPoints(lone_trees(a, a_.in_clump)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
@@ -332,7 +335,7 @@ class MapComparer {
     pair.width_change_m = width_change_m(l, m);
     pair.noise_factor = noise_factor(l, m, typical_variance_);
     pair.width_sd_m = width_noise_.sd_m(l, m);
-    pair.not_repeated = missed_by(b_, a_, i) * missed_by(a_, b_, j);
+    pair.not_repeated = a_.missed[i] * b_.missed[j];
     pair.both_trees = are_trees(l, m);
     return pair;
   }
@@ -393,11 +396,16 @@ class MapComparer {
     });
   }
 
-  /// Probability that the other drive does not map an existing object.
-  double missed_by(const Side& other, const Side& there, std::size_t i) const {
-    if (config_.assume_seen) return kMissedIfAssumed;
-    return other.view.probability_missed(transform(other.T_map_a, there.places[i]), there.view,
-                                         there.landmarks[i]);
+  /// Probabilities that the other drive does not map existing landmarks.
+  std::vector<double> missed_by(const Side& other, const Side& there) const {
+    if (config_.assume_seen) return std::vector<double>(there.landmarks.size(), kMissedIfAssumed);
+    std::vector<Vector2d> p_other;
+    std::vector<const Landmark*> landmarks;
+    for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
+      p_other.push_back(transform(other.T_map_a, there.places[i]));
+      landmarks.push_back(&there.landmarks[i]);
+    }
+    return other.view.probabilities_missed(p_other, there.view, landmarks);
   }
 
   /// Adds the landmarks of one map that the other lacks, as missing or new, or as not seen if the
@@ -413,8 +421,7 @@ class MapComparer {
         comparison_.changes.push_back(c);
         continue;
       }
-      const double absent =
-          confidence_of_absence(missed_by(other, there, i), existence(there.landmarks[i]));
+      const double absent = confidence_of_absence(there.missed[i], existence(there.landmarks[i]));
       const bool is_sure = absent >= config_.confidence_min;
       c.change = is_sure ? change : Change::kNotSeen;
       c.confidence = is_sure ? absent * there.not_moved[i] : 1.0 - absent;

@@ -53,10 +53,10 @@ Rates fit_rates(const std::vector<Rates>& fractions, const std::vector<double>& 
   return rates;
 }
 
-std::vector<Vector2d> positions_of(const std::vector<Landmark>& landmarks) {
-  std::vector<Vector2d> places;
-  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
-  return places;
+double weighted_sum(const VisibilityGrid::Seconds& times_s, const Rates& per_second) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < kNumRanges; ++j) sum += times_s[j] * per_second[j];
+  return sum;
 }
 
 }  // namespace
@@ -67,30 +67,32 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   if (trajectories.empty()) return;
   is_known_ = true;
   raster_.emplace_back(landmarks, trajectories, view);
+  const std::vector<Vector2d> places = landmark_positions(landmarks);
+  const std::vector<VisibilityGrid::Seconds> times = raster_.front().at(places);
+  const auto is_tree = [&](std::size_t i) {
+    return landmarks[i].label != detection::Label::kObject;
+  };
   std::vector<Rates> fractions;
   std::vector<double> per_second;
-  std::vector<Landmark> trees;
-  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(trees),
-               [](const Landmark& l) { return l.label != detection::Label::kObject; });
-  const std::vector<VisibilityGrid::Seconds> times = raster_.front().at(positions_of(trees));
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    const VisibilityGrid::Seconds& observations = times[i];
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
     double total_s = 0.0;
-    for (const float s : observations) total_s += s;
-    if (total_s <= 0.0) continue;
+    for (const float s : times[i]) total_s += s;
+    if (!is_tree(i) || total_s <= 0.0) continue;
     Rates fraction{};
-    for (std::size_t j = 0; j < kNumRanges; ++j) fraction[j] = observations[j] / total_s;
+    for (std::size_t j = 0; j < kNumRanges; ++j) fraction[j] = times[i][j] / total_s;
     fractions.push_back(fraction);
-    per_second.push_back(trees[i].num_observations / total_s);
+    per_second.push_back(landmarks[i].num_observations / total_s);
   }
   num_mapped_min_ = view.min_observations;
-  raster_.front().weigh(fit_rates(fractions, per_second));
+  per_second_ = fit_rates(fractions, per_second);
   std::vector<double> deviations;
-  for (const Landmark& l : landmarks) {
-    const double expected = expected_observations({l.x_m, l.y_m});
-    if (l.label == detection::Label::kObject || expected < 3.0) continue;
-    deviations.push_back(l.num_observations / expected - 1.0);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const double expected = weighted_sum(times[i], per_second_);
+    of_landmarks_.push_back({VisibilityGrid::cell_of(places[i]), expected});
+    if (!is_tree(i) || expected < 3.0) continue;
+    deviations.push_back(landmarks[i].num_observations / expected - 1.0);
   }
+  std::sort(of_landmarks_.begin(), of_landmarks_.end());
   std::vector<double> visibilities = deviations;
   for (double& v : visibilities) v += 1.0;
   if (!visibilities.empty()) {
@@ -102,38 +104,81 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   shape_ = std::clamp(1.0 / std::max(1e-6, spread * spread), 0.5, 4.0);
 }
 
-double DetectionMap::expected_observations(const Vector2d& p_map) const {
-  if (!is_known_) return 0.0;
-  return raster_.front().sum_at(p_map);
+std::vector<double> DetectionMap::expected_observations(const std::vector<Vector2d>& p_map) const {
+  std::vector<double> expected(p_map.size(), 0.0);
+  if (!is_known_) return expected;
+  std::vector<std::size_t> unknown;
+  std::vector<Vector2d> places;
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    const std::pair<VisibilityGrid::Index, double> cell(VisibilityGrid::cell_of(p_map[i]), -1.0);
+    const auto found = std::lower_bound(of_landmarks_.begin(), of_landmarks_.end(), cell);
+    if (found != of_landmarks_.end() && found->first == cell.first) {
+      expected[i] = found->second;
+    } else {
+      unknown.push_back(i);
+      places.push_back(p_map[i]);
+    }
+  }
+  if (unknown.empty()) return expected;
+  const std::vector<VisibilityGrid::Seconds> times = raster_.front().at(places);
+  for (std::size_t k = 0; k < unknown.size(); ++k) {
+    expected[unknown[k]] = weighted_sum(times[k], per_second_);
+  }
+  return expected;
 }
 
-double DetectionMap::visibility(const Landmark& landmark) const {
-  const double expected = expected_observations({landmark.x_m, landmark.y_m});
+double DetectionMap::visibility(double expected, const Landmark& landmark) const {
   if (expected <= 0.0) return 1.0;
   return std::clamp(landmark.num_observations / expected, 0.1, 1.0);
 }
 
-double DetectionMap::rate(const Landmark& landmark) const {
-  const double chances = clear_visibility_ * expected_observations({landmark.x_m, landmark.y_m});
+double DetectionMap::rate(double expected, const Landmark& landmark) const {
+  const double chances = clear_visibility_ * expected;
   if (chances <= 0.0) return 1.0;
   return pose::detection_rate(landmark.num_observations, chances);
 }
 
-double DetectionMap::probability_mapped(const Vector2d& p_map, double rate) const {
+std::vector<double> DetectionMap::rates(const std::vector<Landmark>& landmarks) const {
+  std::vector<double> rates = expected_observations(landmark_positions(landmarks));
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = rate(rates[i], landmarks[i]);
+  return rates;
+}
+
+double DetectionMap::probability_mapped(double expected, double rate) const {
   if (!is_known_) return 1.0;
-  const double chances = clear_visibility_ * expected_observations(p_map);
+  const double chances = clear_visibility_ * expected;
   return chances <= 0.0 ? 0.0 : pose::probability_seen_again(rate, num_mapped_min_ / chances);
 }
 
-double DetectionMap::probability_missed(const Vector2d& p_map, const DetectionMap& other,
-                                        const Landmark& of_other) const {
-  const double observed = 1.0 - probability_missed(p_map, other.visibility(of_other));
-  return 1.0 - observed * probability_mapped(p_map, other.rate(of_other));
+std::vector<double> DetectionMap::probabilities_missed(
+    const std::vector<Vector2d>& p_map, const DetectionMap& other,
+    const std::vector<const Landmark*>& of_other) const {
+  std::vector<Vector2d> p_other;
+  for (const Landmark* l : of_other) p_other.push_back({l->x_m, l->y_m});
+  const std::vector<double> expected = expected_observations(p_map);
+  const std::vector<double> expected_there = other.expected_observations(p_other);
+  std::vector<double> missed;
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    const double visible = other.visibility(expected_there[i], *of_other[i]);
+    const double observed = 1.0 - probability_missed(expected[i], visible);
+    const double rate = other.rate(expected_there[i], *of_other[i]);
+    missed.push_back(1.0 - observed * probability_mapped(expected[i], rate));
+  }
+  return missed;
 }
 
-double DetectionMap::probability_missed(const Vector2d& p_map, double visibility) const {
+/// The number of observations is negative binomial with the overdispersion of this map.
+double DetectionMap::probability_missed(double expected, double visibility) const {
   if (!is_known_) return 1.0;
-  return std::pow(1.0 + visibility * expected_observations(p_map) / shape_, -shape_);
+  return std::pow(1.0 + visibility * expected / shape_, -shape_);
+}
+
+std::function<double(const Vector2d&)> DetectionMap::probability_missed_anywhere() const {
+  DetectionMap all = *this;
+  if (is_known_) all.raster_.front().weigh(per_second_);
+  return [all = std::move(all)](const Vector2d& p_map) {
+    return all.probability_missed(all.is_known_ ? all.raster_.front().sum_at(p_map) : 0.0, 1.0);
+  };
 }
 
 namespace {
@@ -188,7 +233,7 @@ std::size_t bearing_index(const Vector2d& d) {
   return static_cast<std::size_t>(std::min(index, kNumBearings - 1));
 }
 
-int cell_of(double coordinate_m) {
+int cell_along(double coordinate_m) {
   return static_cast<int>(
       std::floor(std::clamp(coordinate_m, -5e8, 5e8) / VisibilityGrid::kCell_m));
 }
@@ -230,50 +275,49 @@ std::size_t bin_of(double distance_m) {
   return kBinOfStep[static_cast<std::size_t>(std::min(2.0 * distance_m, kNumSteps - 1.0))];
 }
 
-/// Neighbouring cells of a row as seen from a point. Computed as vectors and without branches,
-/// since there are billions of them in two large maps: a sector is that of a polynomial where this
-/// is sure, else exact.
-class FewCells {
+/// Points as seen from another one. Computed as vectors and without branches, since there are
+/// billions of them in two large maps: a bearing is that of a polynomial where this is sure, else
+/// exact.
+class FewPoints {
  public:
   /// derived: divides a row of a tile; two vectors of SSE.
   static constexpr int kNum = 8;
+  using Doubles = Eigen::Array<double, kNum, 1>;
+  using Floats = Eigen::Array<float, kNum, 1>;
+  /// derived: five times the error of the polynomial, in sectors, beyond a metre.
+  static constexpr float kUnsure = 0.012f;
 
-  FewCells(const Vector2d& p, int x_first, int y)
-      : p_(p), x_first_(x_first), y_(y), distance_m_(), sector_() {
-    const double dy = centre_of(0, y).y() - p.y();
-    const Doubles dx =
-        (Doubles::LinSpaced(x_first, x_first + kNum - 1) + 0.5) * VisibilityGrid::kCell_m - p.x();
-    distance_m_ = (dx * dx + dy * dy).sqrt();
-    const Floats x_m = dx.cast<float>(), x_size_m = x_m.abs();
-    const auto y_m = static_cast<float>(dy);
-    const float y_size_m = std::abs(y_m);
-    const Floats t = x_size_m.min(y_size_m) / (x_size_m.max(y_size_m) + kTiny), tt = t * t;
+  /// Of points at `x_m`, `y_m` from the one that looks.
+  FewPoints(const Doubles& x_m, const Doubles& y_m)
+      : x_m_(x_m), y_m_(y_m), distance_m_((x_m * x_m + y_m * y_m).sqrt()) {
+    const Floats x = x_m.cast<float>(), y = y_m.cast<float>();
+    const Floats x_size = x.abs(), y_size = y.abs();
+    const Floats t = x_size.min(y_size) / (x_size.max(y_size) + kTiny), tt = t * t;
     // physical: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49; to 1e-5 rad.
     const Floats acute =
         static_cast<float>(kSectorsPerRad) * t *
         (0.9998660f +
          tt * (-0.3302995f + tt * (0.1801410f + tt * (-0.0851330f + tt * 0.0208351f))));
     constexpr float kQuarter = kNumBearings / 4;
-    const Floats right = (kQuarter * one_above_zero(y_size_m - x_size_m) - acute).abs();
-    sector_ = (2.0f * kQuarter * one_above_zero(-x_m) - right).abs();
-    if (y_m < 0.0f) sector_ = 4.0f * kQuarter - sector_;
+    const Floats right = (kQuarter * one_above_zero(y_size - x_size) - acute).abs();
+    const Floats upper = (2.0f * kQuarter * one_above_zero(-x) - right).abs();
+    bearing_ = (4.0f * kQuarter * one_above_zero(-y) - upper).abs();
   }
 
+  Vector2d operator[](int i) const { return {x_m_[i], y_m_[i]}; }
   double distance_m(int i) const { return distance_m_[i]; }
 
+  /// Bearing in sectors, in [0, kNumBearings], to kUnsure if the point is a metre away or more.
+  float bearing(int i) const { return bearing_[i]; }
+
   std::size_t sector(int i) const {
-    // derived: five times the error of the polynomial, in sectors, beyond a metre.
-    constexpr float kUnsure = 0.012f;
-    const auto index = static_cast<int>(sector_[i]);
-    const float part = sector_[i] - static_cast<float>(index);
+    const auto index = static_cast<int>(bearing_[i]);
+    const float part = bearing_[i] - static_cast<float>(index);
     const bool is_sure = part > kUnsure && part < 1.0f - kUnsure && distance_m_[i] > 1.0;
-    return is_sure ? static_cast<std::size_t>(index)
-                   : bearing_index(centre_of(x_first_ + i, y_) - p_);
+    return is_sure ? static_cast<std::size_t>(index) : bearing_index((*this)[i]);
   }
 
  private:
-  using Doubles = Eigen::Array<double, kNum, 1>;
-  using Floats = Eigen::Array<float, kNum, 1>;
   static constexpr float kTiny = 1e-30f;  ///< derived: against 0 / 0; less than any distance
 
   /// 1 where a value is above 0, else 0.
@@ -281,18 +325,43 @@ class FewCells {
     return (values * (1.0f / kTiny)).max(0.0f).min(1.0f);
   }
 
-  Vector2d p_;
-  int x_first_, y_;
-  Doubles distance_m_;
-  Floats sector_;
+  Doubles x_m_, y_m_, distance_m_;
+  Floats bearing_;
 };
 
+/// Calls visit(few, i, index) for points as seen from p, at i of few: for all in the cells within
+/// reach, a superset of the disc.
+template <class Visit>
+void look_around(const geometry::IndexedPoints& points, const Vector2d& p, double reach_m,
+                 Visit&& visit) {
+  FewPoints::Doubles x_m = FewPoints::Doubles::Zero(), y_m = FewPoints::Doubles::Zero();
+  std::array<std::size_t, FewPoints::kNum> indices{};
+  int num = 0;
+  const auto look = [&] {
+    const FewPoints few(x_m, y_m);
+    for (int i = 0; i < num; ++i) visit(few, i, indices[static_cast<std::size_t>(i)]);
+    num = 0;
+  };
+  points.near(p, reach_m, [&](std::int32_t of_points) {
+    const auto k = static_cast<std::size_t>(of_points);
+    x_m[num] = points[k].x() - p.x();
+    y_m[num] = points[k].y() - p.y();
+    indices[static_cast<std::size_t>(num)] = k;
+    if (++num == FewPoints::kNum) look();
+  });
+  if (num > 0) look();
+}
+
 }  // namespace
+
+VisibilityGrid::Index VisibilityGrid::cell_of(const Vector2d& p_map) {
+  return {cell_along(p_map.x()), cell_along(p_map.y())};
+}
 
 VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
                                const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
                                const SensorView& view)
-    : things_(positions_of(landmarks)), view_(view) {
+    : things_(landmark_positions(landmarks)), view_(view) {
   for (const Landmark& l : landmarks) radius_m_.push_back(0.5 * l.width_m);
   for (const auto& trajectory : trajectories) {
     const std::vector<View> of_drive = views_of(trajectory, view);
@@ -300,47 +369,67 @@ VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
   }
 }
 
+/// First and last sector whose centre an object of that radius covers, at i of few; counted on
+/// beyond a turn. Of small ones exact only where the polynomial is not sure.
+std::pair<int, int> sectors_covered(const FewPoints& few, int i, double radius_m) {
+  // derived: of a radius to a distance, below which the series of its arcsine is that to 1e-4
+  // sectors.
+  constexpr double kSmall = 0.1;
+  const double size = radius_m / few.distance_m(i);
+  if (size < kSmall && few.distance_m(i) > 1.0) {
+    const auto half = static_cast<float>(
+        kSectorsPerRad * size * (1.0 + size * size * (1.0 / 6.0 + size * size * (3.0 / 40.0))));
+    // A turn is added, so that numbers are rounded down by a cast.
+    const float begin = few.bearing(i) - half + (kNumBearings + 0.5f);
+    const float end = few.bearing(i) + half + (kNumBearings - 0.5f);
+    const auto first = static_cast<int>(begin), last = static_cast<int>(end);
+    const float part = begin - static_cast<float>(first), rest = end - static_cast<float>(last);
+    if (std::min(part, rest) > FewPoints::kUnsure &&
+        std::max(part, rest) < 1.0f - FewPoints::kUnsure)
+      return {first, last};
+  }
+  const auto [distance_m, bearing_rad, half_rad] = geometry::outline_of(few[i], radius_m);
+  const double step_rad = 2.0 * geometry::kPi / kNumBearings;
+  return {static_cast<int>(std::ceil((bearing_rad - half_rad) / step_rad - 0.5)) + kNumBearings,
+          static_cast<int>(std::floor((bearing_rad + half_rad) / step_rad - 0.5)) + kNumBearings};
+}
+
 /// Free range from a pose in every direction of the map; 0 outside the field of view.
 std::vector<float> VisibilityGrid::free_distance_m(const View& from) const {
   std::vector<float> free_m(kNumBearings, static_cast<float>(view_.reach_m));
-  for (const std::int32_t i : things_.within(from.p_laser, view_.reach_m)) {
-    const auto k = static_cast<std::size_t>(i);
-    const auto [distance_m, bearing_rad, half_rad] =
-        geometry::outline_of(things_[k] - from.p_laser, radius_m_[k]);
-    if (distance_m <= radius_m_[k] + 0.05) continue;
-    const double step_rad = 2.0 * geometry::kPi / kNumBearings;
-    // Directions whose centre the object covers.
-    const auto first = static_cast<int>(std::ceil((bearing_rad - half_rad) / step_rad - 0.5));
-    const auto last = static_cast<int>(std::floor((bearing_rad + half_rad) / step_rad - 0.5));
-    for (int b = first; b <= last; ++b) {
-      float& f =
-          free_m[static_cast<std::size_t>(((b % kNumBearings) + kNumBearings) % kNumBearings)];
-      f = std::min(f, static_cast<float>(distance_m + kBehind_m));
-    }
-  }
+  look_around(things_, from.p_laser, view_.reach_m,
+              [&](const FewPoints& few, int i, std::size_t k) {
+                const double distance_m = few.distance_m(i);
+                if (distance_m > view_.reach_m || distance_m <= radius_m_[k] + 0.05) return;
+                const auto [first, last] = sectors_covered(few, i, radius_m_[k]);
+                for (int b = first; b <= last; ++b) {
+                  float& f = free_m[static_cast<std::size_t>(b % kNumBearings)];
+                  f = std::min(f, static_cast<float>(distance_m + kBehind_m));
+                }
+              });
   close_behind(view_, from.yaw_rad, free_m);
   return free_m;
 }
 
 std::vector<VisibilityGrid::Seconds> VisibilityGrid::at(const std::vector<Vector2d>& points) const {
-  std::map<Index, std::size_t> place_of;
-  std::vector<std::size_t> places;
+  std::vector<std::pair<Index, std::size_t>> asked;  // in order of cells, near in memory, too
+  for (std::size_t i = 0; i < points.size(); ++i) asked.push_back({cell_of(points[i]), i});
+  std::sort(asked.begin(), asked.end());
   std::vector<Vector2d> centres;
-  for (const Vector2d& p : points) {
-    const Index cell(cell_of(p.x()), cell_of(p.y()));
-    const auto [place, is_new] = place_of.try_emplace(cell, centres.size());
-    if (is_new) centres.push_back(centre_of(cell.first, cell.second));
-    places.push_back(place->second);
+  std::vector<std::size_t> places(points.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const Index& cell = asked[i].first;
+    if (i == 0 || cell != asked[i - 1].first) centres.push_back(centre_of(cell.first, cell.second));
+    places[asked[i].second] = centres.size() - 1;
   }
   const geometry::IndexedPoints cells(std::move(centres));
   std::vector<Seconds> times(cells.size(), Seconds{});
   for (const View& v : views_) {
-    const std::vector<float> free_m = free_distance_m(v);
-    cells.near(v.p_laser, view_.reach_m, [&](std::int32_t i) {
-      const auto k = static_cast<std::size_t>(i);
-      const Vector2d d = cells[k] - v.p_laser;
-      const double distance_m = d.norm();
-      if (distance_m > view_.reach_m || distance_m > free_m[bearing_index(d)]) return;
+    std::vector<float> free_m;
+    look_around(cells, v.p_laser, view_.reach_m, [&](const FewPoints& few, int i, std::size_t k) {
+      if (free_m.empty()) free_m = free_distance_m(v);
+      const double distance_m = few.distance_m(i);
+      if (distance_m > view_.reach_m || distance_m > free_m[few.sector(i)]) return;
       times[k][bin_of(distance_m)] += static_cast<float>(v.seconds);
     });
   }
@@ -352,7 +441,7 @@ std::vector<VisibilityGrid::Seconds> VisibilityGrid::at(const std::vector<Vector
 void VisibilityGrid::weigh(const Weights& per_second) {
   std::map<Index, std::vector<std::uint32_t>> views_of_block;
   const auto block_of = [](double coordinate_m) {
-    return group_of(cell_of(coordinate_m), kBlockCells);
+    return group_of(cell_along(coordinate_m), kBlockCells);
   };
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const Vector2d& p = views_[i].p_laser;
@@ -376,8 +465,6 @@ void VisibilityGrid::weigh(const Weights& per_second) {
       }
     }
   }
-  views_ = {};
-  things_ = geometry::IndexedPoints({});
 }
 
 /// Adds what a pose sees of a block.
@@ -387,20 +474,22 @@ void VisibilityGrid::add_view(const View& from, const Index& block, Block& times
   const auto seconds = static_cast<float>(from.seconds);
   const Vector2d& p = from.p_laser;
   const int x_block = block.first * kBlockCells, y_block = block.second * kBlockCells;
-  const int y_last = std::min(cell_of(p.y() + reach_m), y_block + kBlockCells - 1);
-  for (int y = std::max(cell_of(p.y() - reach_m), y_block); y <= y_last; ++y) {
+  const int y_last = std::min(cell_along(p.y() + reach_m), y_block + kBlockCells - 1);
+  const FewPoints::Doubles of_cells = FewPoints::Doubles::LinSpaced(0, FewPoints::kNum - 1);
+  for (int y = std::max(cell_along(p.y() - reach_m), y_block); y <= y_last; ++y) {
     const double dy = centre_of(0, y).y() - p.y();
     const double half_m = std::sqrt(std::max(0.0, reach_m * reach_m - dy * dy)) + kCell_m;
-    const int x_first = std::max(cell_of(p.x() - half_m) - x_block, 0) / FewCells::kNum;
-    const int x_end = std::min(cell_of(p.x() + half_m) - x_block, kBlockCells - 1);
+    const int x_first = std::max(cell_along(p.x() - half_m) - x_block, 0) / FewPoints::kNum;
+    const int x_end = std::min(cell_along(p.x() + half_m) - x_block, kBlockCells - 1);
     Tile* tiles = &times[static_cast<std::size_t>((y - y_block) / kTileCells * kBlockTiles)];
     const int row = (y - y_block) % kTileCells * kTileCells;
-    for (int x = x_first * FewCells::kNum; x <= x_end; x += FewCells::kNum) {
+    for (int x = x_first * FewPoints::kNum; x <= x_end; x += FewPoints::kNum) {
       Tile& tile = tiles[x / kTileCells];
       if (tile.empty()) tile.resize(kNumRanges * kTileCells * kTileCells);
       float* const cells = tile.data() + row + x % kTileCells;
-      const FewCells few(p, x_block + x, y);
-      for (int i = 0; i < FewCells::kNum; ++i) {
+      const FewPoints few((of_cells + (x_block + x + 0.5)) * kCell_m - p.x(),
+                          FewPoints::Doubles::Constant(dy));
+      for (int i = 0; i < FewPoints::kNum; ++i) {
         const double distance_m = few.distance_m(i);
         const bool is_seen = (distance_m <= reach_m) & (distance_m <= free_m[few.sector(i)]);
         cells[bin_of(distance_m) * kTileCells * kTileCells + static_cast<std::size_t>(i)] +=
@@ -411,7 +500,7 @@ void VisibilityGrid::add_view(const View& from, const Index& block, Block& times
 }
 
 double VisibilityGrid::sum_at(const Vector2d& p_map) const {
-  const int cx = cell_of(p_map.x()), cy = cell_of(p_map.y());
+  const int cx = cell_along(p_map.x()), cy = cell_along(p_map.y());
   const int tx = group_of(cx, kTileCells), ty = group_of(cy, kTileCells);
   const auto found = sums_.find({tx, ty});
   if (found == sums_.end()) return 0.0;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -27,8 +28,9 @@ struct SensorView {
 /// Time for which each cell of 0.5 m was in view of a drive, per distance bin.
 ///
 /// Computed from poses along the path; landmarks of the drive's own map occlude what is behind
-/// them. Each pose counts for its duration, within limits. The times of all cells together would
-/// need 170 MB per square kilometre: they are given for single cells, or summed with weights.
+/// them. Each pose counts for its duration, within limits. Two maps are compared at few cells, so
+/// only those are computed that are asked for; all of them, for plans, only as weighted sums, since
+/// their times would need 170 MB per square kilometre.
 class VisibilityGrid {
  public:
   /// derived: half the distance at which coverage changes.
@@ -38,6 +40,10 @@ class VisibilityGrid {
                                                        7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
   using Seconds = std::array<float, kRangeEnds_m.size()>;  ///< time in view per distance bin
   using Weights = std::array<double, kRangeEnds_m.size()>;
+  using Index = std::pair<int, int>;  ///< of a cell, or of a group of cells
+
+  /// The cell that contains a point of map.
+  static Index cell_of(const Eigen::Vector2d& p_map);
 
   /// A pose of the drive, with the time that it stands for.
   struct View {
@@ -51,11 +57,11 @@ class VisibilityGrid {
                  const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
                  const SensorView& view);
 
-  /// Times in view of the cells that contain points of map.
+  /// Times in view of the cells that contain points of map. Costs a look from every pose near them:
+  /// ask for many at once.
   std::vector<Seconds> at(const std::vector<Eigen::Vector2d>& points) const;
 
-  /// Computes the sums over the distance bins of time times weight, of all cells; after it at()
-  /// knows nothing any more.
+  /// Computes the sums over the distance bins of time times weight, of all cells.
   void weigh(const Weights& per_second);
 
   /// The sum of the cell that contains a point of map; 0 before weigh().
@@ -70,7 +76,6 @@ class VisibilityGrid {
   static constexpr int kBlockCells = kTileCells * kBlockTiles;  ///< derived: of a block
   using Tile = std::vector<float>;  ///< times of all its cells in the first bin, the second ...
   using Block = std::array<Tile, kBlockTiles * kBlockTiles>;
-  using Index = std::pair<int, int>;
 
   std::vector<float> free_distance_m(const View& from) const;
   void add_view(const View& from, const Index& block, Block& times) const;
@@ -98,36 +103,43 @@ class DetectionMap {
 
   bool is_known() const { return is_known_; }
 
-  /// Expected number of observations of an average tree at a position.
-  double expected_observations(const Eigen::Vector2d& p_map) const;
+  /// Expected numbers of observations of an average tree at positions; 0 if nothing is known. Costs
+  /// a look from every pose near those that are no landmark of this map: ask for many at once.
+  std::vector<double> expected_observations(const std::vector<Eigen::Vector2d>& p_map) const;
 
-  /// Relative detection rate of a landmark of this map, 1 for an average tree; within [0.1, 1].
-  double visibility(const Landmark& landmark) const;
-
-  /// Repeat rate of a landmark of this map: fraction of opportunities at which it was observed, in
-  /// (0, 1]. 1 for well visible trees and if nothing is known.
-  double rate(const Landmark& landmark) const;
+  /// Repeat rates of landmarks of this map: fraction of opportunities at which each was observed,
+  /// in (0, 1]. 1 for well visible trees and if nothing is known.
+  std::vector<double> rates(const std::vector<Landmark>& landmarks) const;
 
   /// Probability that this drive maps an existing object that another drive observed with repeat
-  /// rate `rate`; 1 if nothing is known.
-  double probability_mapped(const Eigen::Vector2d& p_map, double rate) const;
+  /// rate `rate`, given how often this one is expected to observe a tree there; 1 if nothing is
+  /// known.
+  double probability_mapped(double expected, double rate) const;
 
-  /// Probability that an existing landmark of another map, at `p_map` in this one, is missing from
-  /// this map: occluded, out of range, or visible on some visits only. 1 if nothing is known.
-  double probability_missed(const Eigen::Vector2d& p_map, const DetectionMap& other,
-                            const Landmark& of_other) const;
+  /// Probabilities that existing landmarks of another map, at `p_map` in this one, are missing from
+  /// this map: occluded, out of range, or visible on some visits only. 1 if nothing is known. As
+  /// costly as expected_observations().
+  std::vector<double> probabilities_missed(const std::vector<Eigen::Vector2d>& p_map,
+                                           const DetectionMap& other,
+                                           const std::vector<const Landmark*>& of_other) const;
 
-  /// Probability that an object at a position with that visibility is missed, in [0, 1]; 1 if
-  /// nothing is known. The number of observations is negative binomial with the overdispersion of
-  /// this map.
-  double probability_missed(const Eigen::Vector2d& p_map, double visibility = 1.0) const;
+  /// Probability that an average tree is missed at any position, in [0, 1]; 1 if nothing is known.
+  /// Computes all of the map: for who asks for more and more positions.
+  std::function<double(const Eigen::Vector2d& p_map)> probability_missed_anywhere() const;
 
  private:
+  double probability_missed(double expected, double visibility) const;
+  double visibility(double expected, const Landmark& landmark) const;
+  double rate(double expected, const Landmark& landmark) const;
+
   bool is_known_ = false;
-  std::vector<VisibilityGrid> raster_;  ///< one element, or none
-  double clear_visibility_ = 1.0;       ///< of well visible trees, relative to the average tree
-  double num_mapped_min_ = 1.0;         ///< min number of observations of mapped landmarks
-  double shape_ = 1.0;                  ///< shape parameter of the negative binomial
+  std::vector<VisibilityGrid> raster_;    ///< one element, or none
+  VisibilityGrid::Weights per_second_{};  ///< observations in view of an average tree
+  /// Cells of this map's landmarks with their expected_observations(), in order of the cells.
+  std::vector<std::pair<VisibilityGrid::Index, double>> of_landmarks_;
+  double clear_visibility_ = 1.0;  ///< of well visible trees, relative to the average tree
+  double num_mapped_min_ = 1.0;    ///< min number of observations of mapped landmarks
+  double shape_ = 1.0;             ///< shape parameter of the negative binomial
 };
 
 }  // namespace orchard::mapping

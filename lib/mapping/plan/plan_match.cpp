@@ -204,7 +204,7 @@ class PlanMatcher {
     aisle_m_ = typical_aisle_m(plan);
     if (aisle_m_ <= 0.0) aisle_m_ = 2.0 * spacing_m_;
     if (view.is_known()) {
-      missed_ = [&view](const Vector2d& p) { return view.probability_missed(p); };
+      missed_ = view.probability_missed_anywhere();
     } else {
       // Without a detection map, the ground near mapped trees counts as observed.
       const double near_m = 1.5 * std::max(spacing_m_, aisle_m_);

@@ -363,14 +363,16 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   SensorView view;
   view.reach_m = 8.0;
   const DetectionMap seen(landmarks, {path}, view);
-  EXPECT_NEAR(seen.expected_observations({10.2, 2.0}), 100.0, 35.0);
-  EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
-  EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
-  EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
-  EXPECT_GT(seen.probability_mapped({10.5, 2.0}, 0.9), 0.99);
+  const auto missed = seen.probability_missed_anywhere();
+  const double expected = seen.expected_observations({{10.2, 2.0}}).front();
+  EXPECT_NEAR(expected, 100.0, 35.0);
+  EXPECT_LT(missed({10.5, 2.0}), 0.01);
+  EXPECT_EQ(missed({10.5, 12.0}), 1.0) << "beyond reach";
+  EXPECT_EQ(missed({10.5, -30.0}), 1.0);
+  EXPECT_GT(seen.probability_mapped(expected, 0.9), 0.99);
   SensorView strict = view;  // a map without what was seen less than 90 times
   strict.min_observations = 90;
-  EXPECT_LT(DetectionMap(landmarks, {path}, strict).probability_mapped({10.5, 2.0}, 0.5), 0.5);
+  EXPECT_LT(DetectionMap(landmarks, {path}, strict).probability_mapped(expected, 0.5), 0.5);
   const VisibilityGrid grid(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
     const VisibilityGrid::Seconds seconds = grid.at({p}).front();
@@ -378,11 +380,24 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   };
   EXPECT_GT(seconds_near({8.4, 3.2}), 3.0);
   EXPECT_LT(seconds_near({20.2, 3.2}), 0.25 * seconds_near({8.4, 3.2})) << "behind the wall";
+  // The two ways to look: at cells that are asked for, and at all.
+  std::vector<Vector2d> everywhere;
+  for (int k = 0; k < 3000; ++k) everywhere.push_back({-9.3 + 0.5 * (k % 100), -11.2 + k / 100});
+  const std::vector<VisibilityGrid::Seconds> seconds = grid.at(everywhere);
+  VisibilityGrid all = grid;
+  VisibilityGrid::Weights per_second;
+  for (std::size_t i = 0; i < per_second.size(); ++i) per_second[i] = 1.0 + i;
+  all.weigh(per_second);
+  for (std::size_t k = 0; k < everywhere.size(); ++k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < per_second.size(); ++i) sum += seconds[k][i] * per_second[i];
+    EXPECT_EQ(all.sum_at(everywhere[k]), sum) << everywhere[k].transpose();
+  }
   SensorView left = view;  // a laser that looks to the right only sees no row to the left
   left.bearing_min_rad = -2.0;
   left.bearing_max_rad = -0.5;
-  EXPECT_EQ(DetectionMap(landmarks, {path}, left).probability_missed({10.5, 2.0}), 1.0);
-  EXPECT_EQ(DetectionMap().probability_missed({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DetectionMap(landmarks, {path}, left).probability_missed_anywhere()({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DetectionMap().probability_missed_anywhere()({10.5, 2.0}), 1.0);
 }
 
 }  // namespace

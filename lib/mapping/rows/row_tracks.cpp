@@ -33,6 +33,7 @@ struct Link {
   double angle_rad = 0.0;
   double spacing_m = 0.0;  ///< of what is planted around its row
   double weight = 0.0;
+  Vector2d ahead{0, 0}, axis{0, 0};  ///< its way; its axis, of twice its angle, by its weight
 };
 
 /// The spacing around each chain [m]: the strongest in its spectrum and those of the chains within
@@ -155,12 +156,13 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
   for (Link& link : links) {
     const double spacings = link.length_m / spacing_m;
     link.weight = spacings < 1.0 ? geometry::square(spacings) : 1.0 / spacings;
+    const double angle_rad = link.angle_rad;
+    link.ahead = link.length_m * Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    link.axis = link.weight * Vector2d(std::cos(2.0 * angle_rad), std::sin(2.0 * angle_rad));
   }
   const double reach_m = tuning::kLinkReach_spacings * spacing_m;
   Vector2d overall(0.0, 0.0);
-  for (const Link& link : links) {
-    overall += link.length_m * Vector2d(std::cos(link.angle_rad), std::sin(link.angle_rad));
-  }
+  for (const Link& link : links) overall += link.ahead;
   overall.normalize();
   const geometry::IndexedPoints points(std::move(middles));
   for (std::size_t i = 0; i < p_map.size(); ++i) {
@@ -171,17 +173,10 @@ std::vector<LocalRows> local_rows(const std::vector<Vector2d>& p_map, double see
     }
     // First guess: the mean axis of the links around, by length.
     Vector2d doubled(0.0, 0.0);
-    for (const std::int32_t k : near) {
-      const Link& link = links[index_of(k)];
-      doubled +=
-          link.weight * Vector2d(std::cos(2.0 * link.angle_rad), std::sin(2.0 * link.angle_rad));
-    }
+    for (const std::int32_t k : near) doubled += links[index_of(k)].axis;
     double first_rad = 0.5 * std::atan2(doubled.y(), doubled.x());
     Vector2d ahead(0.0, 0.0);
-    for (const std::int32_t k : near) {
-      const Link& link = links[index_of(k)];
-      ahead += link.length_m * Vector2d(std::cos(link.angle_rad), std::sin(link.angle_rad));
-    }
+    for (const std::int32_t k : near) ahead += links[index_of(k)].ahead;
     if (ahead.dot(Vector2d(std::cos(first_rad), std::sin(first_rad))) < 0.0) {
       first_rad += geometry::kPi;
     }
@@ -267,7 +262,9 @@ class Tracker {
         edges_(p_map.size()),
         total_(p_map.size(), 0.0),
         before_(p_map.size(), kNoTree),
-        is_taken_(p_map.size(), 0) {
+        rank_(p_map.size(), 0),
+        is_taken_(p_map.size(), 0),
+        is_changed_(p_map.size(), 1) {
     count_clutter(is_in_row);
     compare_confidences(strengths, is_in_row);
     for (std::size_t i = 0; i < p_map.size(); ++i) add_edges(static_cast<std::int32_t>(i));
@@ -276,6 +273,7 @@ class Tracker {
   std::vector<RowTrack> tracks() {
     std::vector<RowTrack> found;
     for (std::vector<std::int32_t>& part : parts()) {
+      for (std::size_t k = 0; k < part.size(); ++k) rank_[index_of(part[k])] = k;
       while (part.size() > 1) {
         solve(part);
         const auto end = std::max_element(part.begin(), part.end(), [&](auto a, auto b) {
@@ -482,21 +480,29 @@ class Tracker {
     return all;
   }
 
-  /// Maximum log odds of the rows that end at each tree of a part (dynamic programming).
+  /// Maximum log odds of the rows that end at each tree of a part (dynamic programming). After the
+  /// first time only of trees to which trees led that were taken since: for the others the best way
+  /// is what it was, since all other ways only became worse.
   void solve(const std::vector<std::int32_t>& part) {
-    for (const std::int32_t i : part) total_[index_of(i)] = -1e300;
     for (const std::int32_t i : part) {
+      std::int32_t& before = before_[index_of(i)];
+      if (before != kNoTree) {
+        is_changed_[index_of(i)] = is_taken_[index_of(before)] | is_changed_[index_of(before)];
+      }
+      if (is_changed_[index_of(i)] == 0) continue;
       double best = -begin_cost_;
-      before_[index_of(i)] = kNoTree;
+      before = kNoTree;
       for (const Edge& edge : edges_[index_of(i)]) {
-        if (is_taken_[index_of(edge.from)] != 0) continue;
-        const double through = total_[index_of(edge.from)] + edge.log_odds;
+        const std::size_t from = index_of(edge.from);
+        if (is_taken_[from] != 0 || rank_[from] > rank_[index_of(i)]) continue;
+        const double through = total_[from] + edge.log_odds;
         if (through <= best) continue;
         best = through;
-        before_[index_of(i)] = edge.from;
+        before = edge.from;
       }
       total_[index_of(i)] = best + log_confidence_[index_of(i)];
     }
+    for (const std::int32_t i : part) is_changed_[index_of(i)] = 0;
   }
 
   const std::vector<Vector2d>& p_map_;
@@ -508,7 +514,8 @@ class Tracker {
   std::vector<std::vector<Edge>> edges_;
   std::vector<double> total_;
   std::vector<std::int32_t> before_;
-  std::vector<char> is_taken_;
+  std::vector<std::size_t> rank_;  ///< in the order of its part
+  std::vector<char> is_taken_, is_changed_;
 };
 
 }  // namespace

@@ -86,13 +86,15 @@ int run_compare(const CompareOptions& options) {
   const io::StoredMap &a = input_a.map, &b = input_b.map;
   require_views(options, input_a.mapped, options.earlier_path);
   require_views(options, input_b.mapped, options.later_path);
-  const mapping::DetectionMap view_a = view_of(input_a.mapped, options.reach_m);
-  const mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
-  for (MapInput* input : {&input_a, &input_b}) input->mapped.trajectories.clear();  // large
+  mapping::DetectionMap view_a = view_of(input_a.mapped, options.reach_m);
+  mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
+  for (MapInput* input : {&input_a, &input_b}) input->mapped.trajectories = {};  // large
   const mapping::MapAlignment alignment =
       register_map(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(
       a.landmarks, b.landmarks, view_a, view_b, alignment, options.comparison);
+  for (MapInput* input : {&input_a, &input_b}) input->mapped = {};  // room for the figures
+  view_a = view_b = {};
   const io::ComparisonContent content{options.earlier_path, options.later_path, a.landmarks,
                                       b.landmarks,          alignment,          comparison,
                                       a.georeference};

@@ -245,17 +245,18 @@ int run_merge(const MergeOptions& options) {
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);
   Earlier earlier = find_earlier(maps, options);
-  const Whole laid = lay(maps, earlier, options);
-  const io::StoredMap& whole = laid.map;
+  Whole laid = lay(maps, earlier, options);
   const mapping::MergedMap& merged = laid.merged;
   for (const std::string& sentence : laid.laid) std::printf("%s\n", sentence.c_str());
-  io::MapFolderContent content = content_of(whole);
+  mapping::FreeSpaceTest seen_free = seen_free_of(laid.map);
+  io::MapFolderContent content = content_of(std::move(laid.map));
   content.landmarks = merged.landmarks;
   content.next_id = merged.next_id;
   content.summary.source = "merged";
   for (std::size_t k = 0; k < maps.size(); ++k) {
     content.summary.counts.push_back({"map_" + std::to_string(k + 1) + "_landmarks",
                                       static_cast<std::int64_t>(maps[k].landmarks.size())});
+    maps[k] = {};  // large
   }
   std::string left_out_csv = "map,reason\n";
   for (const LeftOut& out : laid.left_out) {
@@ -286,7 +287,8 @@ int run_merge(const MergeOptions& options) {
     if (!told.empty()) std::printf("corrections by hand: %s\n", told.c_str());
   }
   content.rows = mapping::numbered_rows(content.landmarks);
-  content.graph = mapping::navigation_graph(content.landmarks, content.rows, seen_free_of(whole));
+  content.graph = mapping::navigation_graph(content.landmarks, content.rows, seen_free);
+  seen_free = {};
   content.ids_csv = ids_csv(laid.ids_of_map, merged.landmarks, content.landmarks);
   io::write_map_folder(options.out_folder, content);
   write_corrections(options.out_folder, kept.corrections);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -210,18 +211,19 @@ io::MapSummary summary_of(const io::StoredMap& map) {
   return summary;
 }
 
-io::MapFolderContent content_of(const io::StoredMap& map) {
+io::MapFolderContent content_of(io::StoredMap map) {
   io::MapFolderContent content;
-  content.landmarks = map.landmarks;
+  content.summary = summary_of(map);
+  content.landmarks = std::move(map.landmarks);
   content.next_id = map.next_id;
   content.georeference = map.georeference;
   content.view = map.view;
-  content.summary = summary_of(map);
-  content.graph = map.graph;
-  content.plan_names = map.plan_names;
+  content.graph = std::move(map.graph);
+  content.plan_names = std::move(map.plan_names);
   if (map.trajectories.empty()) return content;
-  content.trajectory = map.trajectories.front();
-  content.more_trajectories.assign(map.trajectories.begin() + 1, map.trajectories.end());
+  content.trajectory = std::move(map.trajectories.front());
+  content.more_trajectories.assign(std::make_move_iterator(map.trajectories.begin() + 1),
+                                   std::make_move_iterator(map.trajectories.end()));
   return content;
 }
 

@@ -100,7 +100,7 @@ void write_corrections(const std::string& folder,
 
 /// Converts a stored map to the content of a new folder: landmarks, paths, coverage, georeference;
 /// without rows. Maps store no beams: the area beside a driven path counts as seen free.
-io::MapFolderContent content_of(const io::StoredMap& map);
+io::MapFolderContent content_of(io::StoredMap map);
 
 /// The same content's summary: this program's version, and the times of the paths.
 io::MapSummary summary_of(const io::StoredMap& map);

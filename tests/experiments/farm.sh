@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # A season as a farm: blocks, dates and robots of short simulated drives, some logs damaged, one of
 # another block, one rig wrong. Runs it once in peace; once killed five times (SIGKILL, every second
-# time the engine alone) and resumed; once by a Slurm of one node and two queues, whose node is drained
-# and one of whose jobs is cancelled on the way; and compares every byte of the results. Then adds one
+# time the engine alone) and resumed; once by a Slurm of one node and two queues, which kills jobs that
+# ask for too little memory, whose node is drained and one of whose jobs is cancelled on the way; and
+# compares every byte of the results. Then adds one
 # log and counts what is made. Prints what was set aside, times, and the cost per step beside that of
 # the bare commands. Slurm's part needs root and Debian's slurmctld, slurmd, slurm-client and munge; all
 # runs in a private network namespace.
@@ -53,6 +54,14 @@ if [ "$(digest_of "$farm")" = "$(digest_of "$work/killed")" ]; then echo "the sa
 
 if [ "${SLURM:-yes}" = yes ] && has_slurm; then
   start_slurm "$work/cluster"
+  profile=$work/slurm/profiles/slurm/config.yaml
+  cp "$profile" "$work/config.yaml"
+  sed -i -e 's/--mem={resources.mem_mb}/--mem=30/' -e 's/^retries:.*/retries: 0/' "$profile"
+  "$orchard" farm run "$work/slurm" --profile slurm --cores 8 >"$work/said" 2>&1 &&
+    echo "jobs with too little memory were not killed"
+  named=$("$orchard" farm status "$work/slurm" | grep -c '^failed.*exceeded memory limit' || true)
+  echo "jobs of 30 MB: $(grep -l 'exceeded memory limit' "$work"/slurm/work/slurm/*.txt | wc -l) killed for memory, $named steps named for it by farm status, $(num_made "$work/slurm") results there"
+  cp "$work/config.yaml" "$profile"
   start=$(date +%s.%N)
   "$orchard" farm run "$work/slurm" --profile slurm --cores 8 >"$work/said" 2>&1 &
   pid=$!

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # shellcheck shell=bash
 # To be sourced: Slurm of one node and two queues, of Debian's slurmctld, slurmd and munge, in a
-# private folder. Needs root, a private network namespace, and wait_until of season.sh.
+# private folder. It looks once a second whether a job has more memory than it asked for, and kills it:
+# so do clusters without cgroups. Needs root, a private network namespace, and wait_until of season.sh.
 
 has_slurm() {
   local program
@@ -41,7 +42,9 @@ SlurmctldLogFile=$folder/slurmctld.log
 SlurmdLogFile=$folder/slurmd.log
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
-JobAcctGatherType=jobacct_gather/none
+JobAcctGatherType=jobacct_gather/linux
+JobAcctGatherParams=OverMemoryKill
+JobAcctGatherFrequency=task=1
 MpiDefault=none
 ReturnToService=2
 SelectType=select/cons_tres

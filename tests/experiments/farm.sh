@@ -59,7 +59,7 @@ if [ "${SLURM:-yes}" = yes ] && has_slurm; then
   sed -i -e 's/--mem={resources.mem_mb}/--mem=30/' -e 's/^retries:.*/retries: 0/' "$profile"
   "$orchard" farm run "$work/slurm" --profile slurm --cores 8 >"$work/said" 2>&1 &&
     echo "jobs with too little memory were not killed"
-  named=$("$orchard" farm status "$work/slurm" | grep -c '^failed.*exceeded memory limit' || true)
+  named=$("$orchard" farm status "$work/slurm" | grep -c '^failed.*memory limit' || true)
   echo "jobs of 30 MB: $(grep -l 'exceeded memory limit' "$work"/slurm/work/slurm/*.txt | wc -l) killed for memory, $named steps named for it by farm status, $(num_made "$work/slurm") results there"
   cp "$work/config.yaml" "$profile"
   start=$(date +%s.%N)

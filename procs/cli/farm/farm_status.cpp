@@ -114,6 +114,20 @@ std::map<std::string, std::string> lots_of_steps(const FarmFolder& farm) {
   return lots;
 }
 
+/// What Slurm says of a job that it ended, from the job's output: why, if any line tells more than
+/// that it was cancelled, since the order of these lines varies; empty: the job ended by itself.
+std::string end_of_job(const std::string& path) {
+  std::ifstream file(path);
+  std::string end, why;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty()) continue;
+    end = line.rfind("slurmstepd", 0) == 0 ? line : std::string();
+    if (end.empty()) why.clear();
+    if (end.find("CANCELLED") == std::string::npos && !end.empty()) why = end;
+  }
+  return end.empty() || why.empty() ? end : why;
+}
+
 /// Why the last attempt at an open step failed; empty: it did not, or is under way.
 std::string failure_of(const FarmFolder& farm, const std::string& task,
                        const std::map<std::string, std::string>& lots) {
@@ -122,8 +136,7 @@ std::string failure_of(const FarmFolder& farm, const std::string& task,
   if (said.rfind(failed, 0) == 0) return said.substr(failed.size());
   const auto lot = lots.find(task);
   if (lot == lots.end()) return {};
-  const std::string job = last_line(farm.path("work/slurm/" + lot->second + ".txt"));
-  return job.rfind("slurmstepd", 0) == 0 ? job : std::string();
+  return end_of_job(farm.path("work/slurm/" + lot->second + ".txt"));
 }
 
 void add_open(const FarmFolder& farm, const FarmTask& task,

@@ -275,6 +275,9 @@ class OnlyFunctionsOfTheInput(Inputs):
         job.write_text("Building DAG of jobs...\nslurmstepd: error: Detected 1 oom_kill event\n")
         self.assertEqual(self.findings(),
                          {"failed (map)": "slurmstepd: error: Detected 1 oom_kill event"})
+        with open(job, "a", encoding="ascii") as file:
+            file.write("slurmstepd: error: *** JOB 5 ON node CANCELLED AT 2026-11-27T12:30:59 ***\n")
+        self.assertIn("oom_kill", self.findings()["failed (map)"], "why, not only that it was cancelled")
         self.make(name)
         self.assertEqual(self.findings(), {})
 

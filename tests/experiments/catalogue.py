@@ -444,6 +444,9 @@ EXPERIMENTS = {
             "24 blocks, 3 dates, 2 robots: steps made; set aside or named; killed five times; by Slurm with a "
             "job cancelled and the node drained; a map costs, fitted over 143 maps", "all; 4 of 4; the same bytes",
             "-"),
+        Row("memory",
+            "2 blocks, 2 dates, 2 robots (`farm.sh 2 2 2`): jobs that Slurm killed for their memory; steps that `farm status` "
+            "named for it; run again with enough, a job cancelled and the node drained", "all; all; the same bytes", "-"),
     ]),
     "many_logs": Experiment("A farm", command="tests/experiments/many_logs.py", rows=[
         Row("engine reckoned",
@@ -454,6 +457,12 @@ EXPERIMENTS = {
         Row("joined shown",
             "four blocks of two robots' maps each, 40,000 trees: wrong, not found, twice; join of a block; a "
             "million trees served: ready after, memory; a near view; five questions to the database", "0, 0, 0", "-"),
+        Row("handed_on",
+            "one map of a million trees (`million_trees.py 0 1000000`), processor time and memory: published; reported; exported "
+            "as CSV, GeoJSON, GeoPackage, FlatGeobuf; its page served; a near view in a browser", "2 GiB", "-"),
+        Row("dates",
+            "100,000 trees at two dates (`million_trees.py dates 100000`), processor time and memory: compared; the same without "
+            "pictures; merged", "30 s, 300 MiB", "-"),
     ]),
     "page_speed": Experiment("The page", command="tests/experiments/page_speed.py out/tubes/map.html", rows=[
         Row("pan", "pan over 100,000 trees, no graphics card: pictures per second at zooms 1, 2.5, 6, 20", "30", "-"),

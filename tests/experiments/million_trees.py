@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What does a million trees in one place cost: joined, published, asked for, shown?
+"""What does a million trees in one place cost: joined, published, asked for, reported, exported, shown?
 
 100 blocks of 10,000 trees (4 m x 2 m, 8 % missing, planted to 10 cm), each mapped by two robots to
 1 cm, of rows 1 to 60 and 41 to 100, the second in a frame of its own. The maps are written as such,
 without drives. Then `orchard merge --any-place` joins each block, `orchard publish` puts all into one
 database (PostgreSQL with PostGIS of its own), which is asked five things; and the map of one block
-of all the trees is shown in a browser. For every step its time, processor time and peak
+of all the trees is published, reported, exported in four formats and shown in a browser. For every step its time, processor time and peak
 memory; the join is checked against the trees that were planted. Prints one table; needs a build in
 build/ (or BUILD=folder).
 
 usage: tests/experiments/million_trees.py [BLOCKS [TREES [JOINED]]]     (default 100 10000 100)
   JOINED: blocks that are joined of two robots' maps; the others are published as one robot's map
+  0 TREES: the one map of all trees alone
+  dates TREES: a block at two dates, one tree in fifty gone, as many new and half as many moved,
+    the second map turned and shifted: compared and merged
 """
 import csv
 import math
@@ -162,10 +165,55 @@ def show(folder):
           f"{most_mib:.0f} MiB |", flush=True)
 
 
+def step(what, *command):
+    cost = Cost()
+    cost.run(ORCHARD, *command)
+    print(cost.line(what), flush=True)
+
+
+def two_dates(trees, work):
+    dice = random.Random(7)
+    rows, later = plant(trees, dice), []
+    for row in rows:
+        later.append([])
+        for x, y in row:
+            fate = dice.random()
+            if fate < 0.02:
+                continue
+            later[-1].append((x + 0.4 if fate < 0.03 else x, y))
+            if fate > 0.98:
+                later[-1].append((x + 1.0, y + 0.1))
+    write_map(work + "/a", rows, 0, len(rows), (0.0, 0.0, 0.0), dice)
+    write_map(work + "/b", later, 0, len(rows), (1.2, -0.8, 0.001), dice)
+    print("| step | passed | processor | most memory |\n|---|---|---|---|")
+    step("compared", "compare", work + "/a", work + "/b", "--out", work + "/changes")
+    step("compared without pictures", "compare", work + "/a", work + "/b", "--json")
+    step("merged", "merge", work + "/a", work + "/b", "--out", work + "/both")
+
+
+def whole(db, trees, work):
+    """One map of all trees: published, reported, exported, shown."""
+    dice = random.Random(0)
+    rows = plant(trees, dice)
+    os.makedirs(work)
+    num = write_map(work + "/one", rows, 0, len(rows), (0.0, 0.0, 0.0), dice, step_m=5.0)
+    print(f"one map of {num} trees:\n| step | passed | processor | most memory |\n|---|---|---|---|")
+
+    step("published as one block", "publish", work + "/one", "--to", db.url(), "--block", "all", "--date", "2026-04-10")
+    step("reported", "report", work + "/one", "--out", work + "/report")
+    for suffix, form in (("csv", "csv"), ("geojson", "geojson"), ("gpkg", "gpkg"), ("fgb", "flatgeobuf")):
+        step("exported as " + form, "export", work + "/one", "--format", form, "--out", f"{work}/trees.{suffix}")
+        os.remove(f"{work}/trees.{suffix}")
+    show(work + "/one")
+
+
 def main():
     if len(sys.argv) > 1 and sys.argv[1] in ("-h", "--help"):
         print(__doc__)
         return
+    if sys.argv[1:2] == ["dates"]:
+        with tempfile.TemporaryDirectory() as work:
+            return two_dates(int(sys.argv[2]), work)
     blocks = int(sys.argv[1]) if len(sys.argv) > 1 else 100
     trees = int(sys.argv[2]) if len(sys.argv) > 2 else 10000
     joined = int(sys.argv[3]) if len(sys.argv) > 3 else blocks
@@ -192,6 +240,8 @@ def main():
                         "--block", f"block_{block}", "--date", "2026-04-10")
             if block > 1:
                 shutil.rmtree(at)
+        if blocks == 0:
+            return whole(db, trees, work + "/all")
         print(f"{num} trees planted in {blocks} blocks; of {joined} that were joined {wrong} trees wrong, "
               f"{missing} not found, {twice} twice")
         print("| step | passed | processor | most memory, or answer |\n|---|---|---|---|")
@@ -207,16 +257,7 @@ def main():
             "WHERE block = 'block_1' ORDER BY width_m DESC LIMIT 10) w")
         page = work + "/1/both/map.html"
         print(f"page of one block: {os.path.getsize(page) / 1e6:.1f} MB")
-        dice = random.Random(0)
-        rows = plant(blocks * trees, dice)
-        os.makedirs(work + "/all")
-        num = write_map(work + "/all/one", rows, 0, len(rows), (0.0, 0.0, 0.0), dice, step_m=5.0)
-        print(f"one map of {num} trees:")
-        export = Cost()
-        export.run(ORCHARD, "export", work + "/all/one", "--format", "flatgeobuf", "--out",
-                   work + "/all/trees.fgb")
-        print(export.line("export as FlatGeobuf (read by tiles)"), flush=True)
-        show(work + "/all/one")
+        whole(db, max(1, blocks) * trees, work + "/all")
 
 
 if __name__ == "__main__":

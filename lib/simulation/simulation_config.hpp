@@ -143,7 +143,7 @@ struct SkyConfig {
 template <class Visitor>
 void describe(Visitor& v, SkyConfig& c) {
   v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m",
-           "standard deviation of the slowly changing error, per axis");
+           "standard deviation of the slowly changing error, east and north; twice that upwards");
   v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean time between gaps; 0 = no gaps");
   v.number("burst_s", c.burst_s, 0, 1e4, "s", "mean length of a burst of fixes; 0 = no bursts");
   v.number("pause_s", c.pause_s, 0, 1e4, "s", "mean length of the pause after a burst");

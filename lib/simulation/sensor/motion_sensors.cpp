@@ -40,7 +40,7 @@ constexpr double kStepsPerTime = 10.0;
 /// Max number of steps per day.
 constexpr double kStepsMax = 1e6;
 
-enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander };
+enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander, kWanderUp };
 
 /// Draws a duration from the exponential distribution.
 double exponential(double mean, Random& random) { return -mean * std::log(1.0 - random.uniform()); }
@@ -268,16 +268,16 @@ ReceiverSky::ReceiverSky(std::uint64_t seed, const SkyConfig& config) : config_(
     reflections_ = draw_episodes(seed, kReflections, between_s, length_s, offset_m);
   }
   if (config.wander_sd_m > 0.0) {
-    Random random(seed, Stream::kGnssSky, kWander);
+    Random random(seed, Stream::kGnssSky, kWander), upwards(seed, Stream::kGnssSky, kWanderUp);
     const double steps = std::min(kStepsMax, kDay_s * kStepsPerTime / config.wander_time_s);
     const double memory = std::exp(-kDay_s / steps / config.wander_time_s);
     const double fresh = std::sqrt(1.0 - memory * memory);
-    Eigen::Vector2d now;
-    now << random.normal(), random.normal();
+    Eigen::Vector3d now;
+    now << random.normal(), random.normal(), upwards.normal();
     for (int i = 0; i <= static_cast<int>(steps); ++i) {
       wander_.push_back(now);
       const double east = random.normal(), north = random.normal();
-      now = memory * now + fresh * Eigen::Vector2d(east, north);
+      now = memory * now + fresh * Eigen::Vector3d(east, north, upwards.normal());
     }
   }
 }
@@ -312,15 +312,19 @@ bool ReceiverSky::is_open(double time_s) const {
 
 bool ReceiverSky::is_reflected(double time_s) const { return at(reflections_, time_s) != nullptr; }
 
-Eigen::Vector2d ReceiverSky::error_m(double time_s) const {
-  Eigen::Vector2d error = Eigen::Vector2d::Zero();
-  if (const Episode* reflection = at(reflections_, time_s)) error += reflection->offset_m;
+Eigen::Vector3d ReceiverSky::error_m(double time_s) const {
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();
+  if (const Episode* reflection = at(reflections_, time_s)) {
+    error.head<2>() += reflection->offset_m;
+  }
   if (!wander_.empty()) {
     const double last = static_cast<double>(wander_.size() - 1);
     const double step = std::fmod(std::max(time_s, 0.0), kDay_s) / kDay_s * last;
     const auto before = static_cast<std::size_t>(std::min(step, last - 1.0));
     const double part = step - static_cast<double>(before);
-    error += config_.wander_sd_m * ((1.0 - part) * wander_[before] + part * wander_[before + 1]);
+    error += config_.wander_sd_m *
+             Eigen::Vector3d(1.0, 1.0, 2.0)
+                 .cwiseProduct((1.0 - part) * wander_[before] + part * wander_[before + 1]);
   }
   return error;
 }
@@ -352,14 +356,13 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
     x_m += config_.jump_m * std::cos(towards_rad);
     y_m += config_.jump_m * std::sin(towards_rad);
   }
-  const Eigen::Vector2d sky_m = sky_.error_m(time_s);
+  const Eigen::Vector3d sky_m = sky_.error_m(time_s);
   x_m += sky_m.x();
   y_m += sky_m.y();
   Random random(seed_, Stream::kGnss, static_cast<std::uint64_t>(index));
-  return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random,
-                       (body.stand_at(T_map_base).transform() *
-                        Eigen::Vector3d(config_.antenna_m[0], config_.antenna_m[1], 0.0))
-                           .z());
+  const Eigen::Vector3d p_base_antenna_m(config_.antenna_m[0], config_.antenna_m[1], 0.0);
+  const double z_m = (body.stand_at(T_map_base).transform() * p_base_antenna_m).z() + sky_m.z();
+  return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random, z_m);
 }
 
 }  // namespace orchard::simulation

@@ -93,13 +93,13 @@ class ReceiverSky {
   /// True if fixes are available at a time of the run [s].
   bool is_open(double time_s) const;
 
-  /// Error of a fix, east and north, without its own noise [m].
-  Eigen::Vector2d error_m(double time_s) const;
+  /// Error of a fix, east, north and up, without its own noise [m]; multipath has none upwards.
+  Eigen::Vector3d error_m(double time_s) const;
 
   /// True during multipath.
   bool is_reflected(double time_s) const;
 
-  /// Standard deviation of the slowly varying error per axis [m].
+  /// Standard deviation of the slowly varying error, east and north; twice that upwards [m].
   double wander_sd_m() const { return config_.wander_sd_m; }
 
  private:
@@ -118,7 +118,7 @@ class ReceiverSky {
   std::vector<Episode> gaps_;
   std::vector<Episode> pauses_;
   std::vector<Episode> reflections_;
-  std::vector<Eigen::Vector2d> wander_;  ///< at equal steps, in standard deviations
+  std::vector<Eigen::Vector3d> wander_;  ///< at equal steps, in standard deviations
 };
 
 /// A GNSS receiver on a driving robot with all effects of section `simulation.gnss`.

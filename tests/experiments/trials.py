@@ -479,18 +479,22 @@ def slope_errors(folder, drive):
 
 
 def heights(lab, seeds):
-    """Altitudes of RTK with the tilt, and alone."""
+    """Altitudes of RTK with the tilt, alone, and of fixes that err half alike."""
     def one(case):
         slope, seed = case
         of = hill_rig(lab, slope, BUMPS_M3[3])
-        drive = lab.drive(of, seed)
-        maps = [lab.map(drive, lab.rig(of, changes), "--quiet") for changes in ({}, {"laser.height_m": 0.0})]
-        return [(lab.judged(m, drive, align=False), slope_errors(m, drive)) for m in maps]
+        alike = lab.rig(of, {"simulation.gnss.sky.wander_sd_m": 0.02})
+        judged = []
+        for rig, changes in ((of, {}), (of, {"laser.height_m": 0.0}), (alike, {})):
+            drive = lab.drive(rig, seed)
+            made = lab.map(drive, lab.rig(rig, changes), "--quiet")
+            judged.append((lab.judged(made, drive, align=False), slope_errors(made, drive)))
+        return judged
 
     cases = [(slope, seed) for slope in SLOPES_PERCENT for seed in seeds]
     judged = dict(zip(cases, lab.each(cases, one)))
     figures = {}
-    for how, name in enumerate(("", "alone_")):
+    for how, name in enumerate(("", "alone_", "alike_")):
         of = {slope: [judged[slope, seed][how] for seed in seeds] for slope in SLOPES_PERCENT}
         heights_of = {slope: [m["error_heights"] for m, _ in maps] for slope, maps in of.items()}
         figures[f"{name}rms"] = span((1e3 * rms(h["rms_m"] for h in maps) for maps in heights_of.values()), 0)

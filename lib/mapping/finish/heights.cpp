@@ -4,7 +4,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "geometry/angles.hpp"
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 
@@ -12,97 +14,140 @@ namespace orchard::mapping {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 using geometry::square;
 using pose::GroundPoint;
 
-// physical: as far as trunks are seen, and both aisles of a row are nearer.
-constexpr double kNear_m = 8.0;
-// derived: of the nearest point's distance; beyond, the ground is another bank or aisle's.
-constexpr double kBeyondNearest_m = 4.0;
-// physical: slopes of even ground differ by two per cent from one body's length to the next.
-constexpr double kLeastScatter = 0.02;
 // derived: heights that are less certain tell nothing of an orchard's slopes.
 constexpr double kMostSd_m = 1.0;
+// derived: farther from any way the slope alone makes a height less certain than that.
+constexpr double kNear_m = kMostSd_m / pose::kDrivenSlopeSd;
+// derived: of so many heights the roughness of the ground is known to a third, a class to one.
+constexpr std::size_t kHeights = 24;
+// physical: ISO 8608:2016. The density of displacements at 0.1 cycles/m of class A, the best
+// roads; that of each class up to H, the eighth, is four times that of the one before.
+constexpr double kBestRoad_m3 = 16e-6;
+constexpr double kPerClass = 4.0;
+constexpr int kClasses = 8;
+// derived: a density G n0^2 / n^2 is a random walk: heights a distance d from each other differ by
+// a variance of 2 pi^2 n0^2 G d, where n0 is 0.1 cycles/m.
+constexpr double kWalkOfDensity_perm2 = 2.0 * geometry::kPi * geometry::kPi * 0.1 * 0.1;
+// derived: a height is the mean over a body's length, of means over a metre of way: so far from its
+// middle, and from each other, are two points of that in the mean.
+constexpr double kFromMiddle_m = pose::kBody_m / 3.0;
+constexpr double kWithinMean_m = pose::kBody_m * 7.0 / 15.0;
 
-/// A plane about a trunk: its height there, and its gradient.
-struct Plane {
-  Vector3d at = Vector3d::Zero();
-  Matrix3d information = Matrix3d::Zero();
+/// A height of the ground near a trunk.
+struct Height {
+  Vector2d way_m = Vector2d::Zero();  ///< from the trunk
+  double z_m = 0.0, variance_m2 = 0.0;
+  double tilt_sd_m = 0.0;  ///< by which an error of the tilt lifts it, or less than 0 lowers it
 };
 
-/// Fits the plane, for a scatter of slopes from one body's length to the next. Heights walk at
-/// random then. Neighbours on one pass share what is wrong with them, so the best height and the
-/// best slope count once each, and the others only balance them.
-Plane fit(const std::vector<const GroundPoint*>& points, const Vector2d& p, double scatter) {
-  Matrix3d of_heights = Matrix3d::Zero(), of_slopes = Matrix3d::Zero();
-  Vector3d heights = Vector3d::Zero(), slopes = Vector3d::Zero();
-  double height_sum = 0.0, height_most = 0.0, slope_sum = 0.0, slope_most = 0.0;
-  for (const GroundPoint* point : points) {
-    const Vector2d way_m = Vector2d(point->x_m, point->y_m) - p;
-    const double weight = 1.0 / (point->variance_m2 +
-                                 square(scatter) * pose::kBody_m * (way_m.norm() + pose::kBody_m));
-    const Vector3d a(1.0, way_m.x(), way_m.y());
-    of_heights += weight * a * a.transpose();
-    heights += weight * point->z_m * a;
-    height_sum += weight, height_most = std::max(height_most, weight);
-    if (!point->gradient) continue;
-    const double slope_weight = 1.0 / square(scatter);
-    of_slopes.diagonal().tail<2>().array() += slope_weight;
-    slopes.tail<2>() += slope_weight * *point->gradient;
-    slope_sum += slope_weight, slope_most = slope_weight;
-  }
-  Plane plane;
-  const double height_share = height_most / height_sum;
-  const double slope_share = slope_sum > 0.0 ? slope_most / slope_sum : 0.0;
-  plane.information = height_share * of_heights + slope_share * of_slopes;
-  plane.information.diagonal().tail<2>().array() += 1.0 / square(pose::kDrivenSlopeSd);
-  plane.at = plane.information.ldlt().solve(height_share * heights + slope_share * slopes);
-  return plane;
-}
+struct Estimate {
+  double z_m = 0.0, variance_m2 = 0.0, unlikely = 0.0;
+};
 
-/// How much the slopes nearby differ from the plane's, or where no tilt was known, heights.
-double scatter_of(const std::vector<const GroundPoint*>& points, const Vector2d& p,
-                  const Plane& plane) {
-  double sum = 0.0;
-  int num = 0;
-  for (const GroundPoint* point : points) {
-    if (point->gradient) {
-      sum += (*point->gradient - plane.at.tail<2>()).squaredNorm();
-      num += 2;
-    } else {
-      const Vector2d way_m = Vector2d(point->x_m, point->y_m) - p;
-      const double off_m = point->z_m - plane.at.x() - plane.at.tail<2>().dot(way_m);
-      sum += square(off_m) / (pose::kBody_m * (way_m.norm() + pose::kBody_m));
-      ++num;
+/// The heights that tell of a trunk's ground: those below the wheels, left and right by what the
+/// tilt tells, the nearest first. One half a body's length beside another tells no more than that.
+std::vector<Height> heights_near(const pose::GroundProfile& ground,
+                                 const std::vector<std::int32_t>& near, const Vector2d& p) {
+  std::vector<Height> all;
+  for (const std::int32_t i : near) {
+    const GroundPoint& point = ground[static_cast<std::size_t>(i)];
+    const Vector2d way_m = Vector2d(point.x_m, point.y_m) - p;
+    if (!point.gradient) {
+      all.push_back({way_m, point.z_m, point.variance_m2, 0.0});
+      continue;
+    }
+    for (const double left_m : {-0.5 * pose::kBody_m, 0.5 * pose::kBody_m}) {
+      const Vector2d off_m = left_m * Vector2d(-std::sin(point.yaw_rad), std::cos(point.yaw_rad));
+      all.push_back({way_m + off_m, point.z_m + point.gradient->dot(off_m), point.variance_m2,
+                     left_m * std::sqrt(point.slope_variance)});
     }
   }
-  return std::max(kLeastScatter, std::sqrt(sum / num));
+  std::stable_sort(all.begin(), all.end(), [](const Height& a, const Height& b) {
+    return a.way_m.squaredNorm() < b.way_m.squaredNorm();
+  });
+  std::vector<Height> taken;
+  for (const Height& h : all) {
+    const auto is_beside = [&h](const Height& o) {
+      return (h.way_m - o.way_m).squaredNorm() < square(0.5 * pose::kBody_m);
+    };
+    if (std::none_of(taken.begin(), taken.end(), is_beside)) taken.push_back(h);
+    if (taken.size() == kHeights) break;
+  }
+  return taken;
+}
+
+/// The mean distance of the points whose mean a height is.
+double from_trunk_m(const Height& h) { return std::hypot(h.way_m.norm(), kFromMiddle_m); }
+
+/// The height at the trunk on ground of a roughness: a plane, and from the trunk on a random walk.
+Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
+  const auto num = static_cast<Eigen::Index>(heights.size());
+  MatrixXd K(num, num), X(num, 3);
+  VectorXd z(num);
+  for (Eigen::Index i = 0; i < num; ++i) {
+    const Height& a = heights[static_cast<std::size_t>(i)];
+    X.row(i) << 1.0, a.way_m.x(), a.way_m.y();
+    z(i) = a.z_m - heights.front().z_m;
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const Height& b = heights[static_cast<std::size_t>(j)];
+      const double apart_m = std::hypot((a.way_m - b.way_m).norm(), kWithinMean_m);
+      K(i, j) = 0.5 * walk_m2pm * (from_trunk_m(a) + from_trunk_m(b) - apart_m) +
+                std::min(a.variance_m2, b.variance_m2) + a.tilt_sd_m * b.tilt_sd_m;
+    }
+  }
+  const Eigen::LLT<MatrixXd> of_heights(K);
+  const MatrixXd weighted = of_heights.solve(X);
+  Matrix3d information = X.transpose() * weighted;
+  information.diagonal().tail<2>().array() += 1.0 / square(pose::kDrivenSlopeSd);
+  const Eigen::LLT<Matrix3d> of_plane(information);
+  const Vector3d seen = weighted.transpose() * z;
+  const Vector3d plane = of_plane.solve(seen);
+  const auto log_of = [](const auto& llt) {
+    return 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+  };
+  return {heights.front().z_m + plane.x(), of_plane.solve(Vector3d::UnitX()).x(),
+          log_of(of_heights) + log_of(of_plane) + z.dot(of_heights.solve(z)) - seen.dot(plane)};
+}
+
+/// The mean over the classes of roughness, each as likely as it makes these heights.
+Estimate estimate(const std::vector<Height>& heights) {
+  std::vector<Estimate> of_class;
+  double least = std::numeric_limits<double>::infinity();
+  for (double density_m3 = kBestRoad_m3; of_class.size() < kClasses; density_m3 *= kPerClass) {
+    of_class.push_back(estimate(heights, kWalkOfDensity_perm2 * density_m3));
+    least = std::min(least, of_class.back().unlikely);
+  }
+  double sum = 0.0, z_m = 0.0, variance_m2 = 0.0;
+  for (Estimate& e : of_class) sum += e.unlikely = std::exp(-0.5 * (e.unlikely - least));
+  for (const Estimate& e : of_class) z_m += e.unlikely / sum * e.z_m;
+  for (const Estimate& e : of_class) {
+    variance_m2 += e.unlikely / sum * (e.variance_m2 + square(e.z_m - z_m));
+  }
+  return {z_m, variance_m2, least};
 }
 
 }  // namespace
 
 void set_heights(const pose::GroundProfile& ground, std::vector<Landmark>& landmarks) {
-  if (ground.points.empty()) return;
+  if (ground.empty()) return;
   std::vector<Vector2d> places;
-  for (const GroundPoint& point : ground.points) places.emplace_back(point.x_m, point.y_m);
+  for (const GroundPoint& point : ground) places.emplace_back(point.x_m, point.y_m);
   const geometry::IndexedPoints index(std::move(places));
   for (Landmark& l : landmarks) {
     const Vector2d p(l.x_m, l.y_m);
-    const std::int32_t nearest = index.nearest(p, kNear_m);
-    if (nearest < 0) continue;
-    const double nearest_m = (index[static_cast<std::size_t>(nearest)] - p).norm();
-    std::vector<const GroundPoint*> points;
-    for (const std::int32_t i : index.within(p, nearest_m + kBeyondNearest_m)) {
-      points.push_back(&ground.points[static_cast<std::size_t>(i)]);
-    }
-    const Plane level = fit(points, p, kLeastScatter);
-    const Plane plane = fit(points, p, scatter_of(points, p, level));
-    const double variance_m2 = plane.information.inverse()(0, 0) + ground.shared_variance_m2;
-    if (!(variance_m2 < square(kMostSd_m))) continue;
-    l.z_m = plane.at.x();
-    l.z_sd_m = std::sqrt(variance_m2);
+    const std::vector<Height> heights = heights_near(ground, index.within(p, kNear_m), p);
+    if (heights.empty()) continue;
+    const Estimate ground_here = estimate(heights);
+    if (!(ground_here.variance_m2 < square(kMostSd_m))) continue;
+    l.z_m = ground_here.z_m;
+    l.z_sd_m = std::sqrt(ground_here.variance_m2);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -13,24 +14,30 @@
 namespace orchard::pose {
 namespace {
 
-using Eigen::Matrix3d;
+using Eigen::Matrix4d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 using geometry::square;
 
 // derived: a robot that is not located for longer may have been carried.
 constexpr double kCarried_s = 10.0;
-// physical: a filter's tilt errs alike for about half a minute, at a walking pace.
-constexpr double kTiltErrorLength_m = 30.0;
-// physical: slopes along a path change within some trees.
-constexpr double kSlopeLength_m = 10.0;
-// physical: wheels sink into soil and climb over clods of some centimetres.
-constexpr double kUnevenSd_m = 0.02;
-// physical: of a fix's error about half is that of its neighbours: orbits, air, and multipath.
-constexpr double kSharedOfFix = 0.5;
 // derived: Gaussian residuals pass it once in 400; the weights settle within the rounds.
 constexpr double kOutlierSigmas = 3.0;
 constexpr int kRounds = 4;
+
+/// What is not known beforehand of a receiver, a unit and a ground: those values under which the
+/// fixes of the drive are likeliest. They begin with the most cautious.
+struct Model {
+  double own_share = 0.05;   ///< of a fix's variance; the rest is that of its neighbours, too
+  double shared_s = 1000.0;  ///< in which that changes
+  double memory_m = 1.0;  ///< over which the error of the tilt is one, or where unknown the slope
+};
+// derived: a factor of three in a time or length is about what one drive tells: from some fixes to
+// a quarter of an hour, from a body's length to that of a row and more.
+constexpr std::array kOwnShares{0.05, 0.2, 0.4, 0.6, 0.8, 1.0};
+constexpr std::array kShared_s{1000.0, 300.0, 100.0, 30.0, 10.0};
+constexpr std::array kMemory_m{1.0, 3.0, 10.0, 30.0, 100.0, 300.0};
 
 /// What was read within a metre of the path.
 struct Cell {
@@ -39,6 +46,8 @@ struct Cell {
   double yaw_rad = 0.0, tilt_sd_rad = 0.0;
   double height_m = 0.0, variance_m2 = 0.0;  ///< of the ground by the fixes; 0 = none
   int num_readings = 0, num_tilts = 0, num_fixes = 0;
+  std::int64_t utime = 0;
+  double weight = 1.0;  ///< of the fixes
   bool begins = false;  ///< a stretch that no way links to the one before
 
   bool has_tilt() const { return num_tilts > 0; }
@@ -46,7 +55,7 @@ struct Cell {
 
 void add(const GroundReading& r, const Vector3d& p_base_antenna_m, Cell& cell) {
   const auto mean = [](auto& value, const auto& next, int num) { value += (next - value) / num; };
-  if (++cell.num_readings == 1) cell.yaw_rad = r.yaw_rad;
+  if (++cell.num_readings == 1) cell.yaw_rad = r.yaw_rad, cell.utime = r.utime;
   const bool has_fix = r.antenna_variance_m2 > 0.0;
   cell.num_fixes += has_fix;
   if (has_fix || cell.num_fixes == 0) {  // where the height holds, if there is one
@@ -87,11 +96,12 @@ std::vector<Cell> cells_of(const std::vector<GroundReading>& readings, const Vec
   return cells;
 }
 
-/// The height of the ground, and what is added to the slope told by the tilt: its error along
-/// base's axes; where no tilt is known the whole slope, along those of map.
+/// The height of the ground; what is added to the slope told by the tilt: its error along base's
+/// axes, where no tilt is known the whole slope, along those of map; and the error that neighbours
+/// among the fixes share, in standard deviations.
 struct State {
-  Vector3d mean = Vector3d::Zero();
-  Matrix3d covariance = Matrix3d::Zero();
+  Vector4d mean = Vector4d::Zero();
+  Matrix4d covariance = Matrix4d::Zero();
 };
 
 double slope_variance(const Cell& cell) {
@@ -101,104 +111,144 @@ double slope_variance(const Cell& cell) {
 State start(const Cell& cell) {
   constexpr double kAnyHeight_m = 1e5;  // derived: above all altitudes
   State state;
-  state.covariance.diagonal() << square(kAnyHeight_m), slope_variance(cell), slope_variance(cell);
+  const double slope = slope_variance(cell);
+  state.covariance.diagonal() << square(kAnyHeight_m), slope, slope, 1.0;
   return state;
 }
 
 /// The step from one cell to the next: x' = A x + u + noise.
 struct Step {
-  Matrix3d A = Matrix3d::Identity();
-  Vector3d u = Vector3d::Zero();
-  Matrix3d noise = Matrix3d::Zero();
+  Matrix4d A = Matrix4d::Identity();
+  double rise_m = 0.0;
+  Vector4d noise = Vector4d::Zero();
 };
 
-Step step_between(const Cell& from, const Cell& to) {
+Step step_between(const Cell& from, const Cell& to, const Model& model) {
   Step step;
   const Vector2d way_m = to.p_map - from.p_map;
   const double length_m = way_m.norm();
   const bool is_same = from.has_tilt() == to.has_tilt();
-  const double memory_m = from.has_tilt() ? kTiltErrorLength_m : kSlopeLength_m;
-  const double kept = is_same ? std::exp(-length_m / memory_m) : 0.0;
+  const double kept = is_same ? std::exp(-length_m / model.memory_m) : 0.0;
+  const double shared = std::exp(-timing::seconds(to.utime - from.utime) / model.shared_s);
   if (from.has_tilt()) {
     const Vector2d told = to.has_tilt() ? 0.5 * (from.gradient + to.gradient) : from.gradient;
-    step.u(0) = told.dot(way_m);
+    step.rise_m = told.dot(way_m);
     step.A.block<1, 2>(0, 1) = (geometry::rotation(-from.yaw_rad) * way_m).transpose();
   } else {
     step.A.block<1, 2>(0, 1) = way_m.transpose();
   }
   step.A.block<2, 2>(1, 1) *= kept;
+  step.A(3, 3) = shared;
   const double renewed = slope_variance(to) * (1.0 - kept * kept);
-  step.noise.diagonal() << square(kUnevenSd_m) * length_m, renewed, renewed;
+  step.noise << 0.0, renewed, renewed, 1.0 - square(shared);
   return step;
 }
 
-void correct(const Cell& cell, double variance_m2, State& state) {
-  if (cell.num_fixes == 0) return;
-  const Vector3d gain = state.covariance.col(0) / (state.covariance(0, 0) + variance_m2);
-  state.mean += gain * (cell.height_m - state.mean(0));
-  state.covariance -= gain * state.covariance.row(0).eval();
+/// Corrects by the fixes of a cell. Returns minus twice the logarithm of their likelihood, that of
+/// Huber: an outlier has no say in the choice of a model.
+double correct(const Cell& cell, const Model& model, State& state) {
+  if (cell.num_fixes == 0) return 0.0;
+  const double own_m2 = model.own_share * cell.variance_m2 / (cell.num_fixes * cell.weight);
+  const Vector4d H(1.0, 0.0, 0.0, std::sqrt((1.0 - model.own_share) * cell.variance_m2));
+  const Vector4d covariance = state.covariance * H;
+  const double variance_m2 = H.dot(covariance) + own_m2;
+  const double off_m = cell.height_m - H.dot(state.mean);
+  state.mean += covariance * (off_m / variance_m2);
+  state.covariance -= covariance * covariance.transpose() / variance_m2;
+  const double off = std::abs(off_m) / std::sqrt(variance_m2);
+  const double off2 =
+      off < kOutlierSigmas ? off * off : kOutlierSigmas * (2 * off - kOutlierSigmas);
+  return std::log(variance_m2) + off2;
+}
+
+/// A Kalman filter along the path; what it expected at each cell, and what it knew.
+struct Filtered {
+  std::vector<State> expected, known;
+  std::vector<Step> steps;
+  double unlikely = 0.0;  ///< see correct()
+};
+
+Filtered filtered(const std::vector<Cell>& cells, const Model& model) {
+  Filtered of;
+  of.expected.resize(cells.size()), of.known.resize(cells.size()), of.steps.resize(cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    State& state = of.known[k];
+    if (cells[k].begins) {
+      state = start(cells[k]);
+    } else {
+      const Step& s = of.steps[k] = step_between(cells[k - 1], cells[k], model);
+      state.mean = s.A * of.known[k - 1].mean;
+      state.mean(0) += s.rise_m;
+      state.covariance = s.A * of.known[k - 1].covariance * s.A.transpose();
+      state.covariance.diagonal() += s.noise;
+    }
+    of.expected[k] = state;
+    of.unlikely += correct(cells[k], model, state);
+  }
+  return of;
 }
 
 /// Rauch, Tung and Striebel: forwards by a Kalman filter, then what is known later backwards.
-std::vector<State> smoothed(const std::vector<Cell>& cells, const std::vector<double>& variances) {
-  std::vector<State> states(cells.size()), predicted(cells.size());
-  std::vector<Step> steps(cells.size());
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (cells[k].begins) {
-      predicted[k] = start(cells[k]);
-    } else {
-      const Step& s = steps[k] = step_between(cells[k - 1], cells[k]);
-      predicted[k].mean = s.A * states[k - 1].mean + s.u;
-      predicted[k].covariance = s.A * states[k - 1].covariance * s.A.transpose() + s.noise;
-    }
-    states[k] = predicted[k];
-    correct(cells[k], variances[k], states[k]);
-  }
+std::vector<State> smoothed(const std::vector<Cell>& cells, const Model& model) {
+  Filtered of = filtered(cells, model);
   for (std::size_t k = cells.size(); k-- > 1;) {
     if (cells[k].begins) continue;
-    State& before = states[k - 1];
-    const Matrix3d G =
-        predicted[k].covariance.ldlt().solve(steps[k].A * before.covariance).transpose();
-    before.mean += G * (states[k].mean - predicted[k].mean);
-    before.covariance += G * (states[k].covariance - predicted[k].covariance) * G.transpose();
+    State& before = of.known[k - 1];
+    const State &expected = of.expected[k], &now = of.known[k];
+    const Matrix4d G =
+        expected.covariance.ldlt().solve(of.steps[k].A * before.covariance).transpose();
+    before.mean += G * (now.mean - expected.mean);
+    before.covariance += G * (now.covariance - expected.covariance) * G.transpose();
   }
-  return states;
+  return of.known;
+}
+
+/// The likeliest model, one of its values after the other.
+Model likelier(const std::vector<Cell>& cells, Model model) {
+  double least = filtered(cells, model).unlikely;
+  const auto choose = [&](double Model::*value, const auto& candidates) {
+    for (const double candidate : candidates) {
+      Model other = model;
+      other.*value = candidate;
+      const double unlikely = filtered(cells, other).unlikely;
+      if (unlikely < least) least = unlikely, model = other;
+    }
+  };
+  choose(&Model::own_share, kOwnShares);
+  choose(&Model::shared_s, kShared_s);
+  choose(&Model::memory_m, kMemory_m);
+  return model;
 }
 
 }  // namespace
 
 GroundProfile ground_along(const std::vector<GroundReading>& readings,
                            const Vector3d& p_base_antenna_m) {
-  const std::vector<Cell> cells = cells_of(readings, p_base_antenna_m);
-  std::vector<double> variances;
-  double information = 0.0;
-  int num_fixed = 0;
-  for (const Cell& cell : cells) {
-    variances.push_back(cell.variance_m2);
-    if (cell.num_fixes == 0) continue;
-    information += 1.0 / cell.variance_m2;
-    ++num_fixed;
-  }
-  GroundProfile profile;
-  if (num_fixed == 0) return profile;
-  profile.shared_variance_m2 = kSharedOfFix * num_fixed / information;
+  std::vector<Cell> cells = cells_of(readings, p_base_antenna_m);
+  const auto has_fix = [](const Cell& cell) { return cell.num_fixes > 0; };
+  if (std::none_of(cells.begin(), cells.end(), has_fix)) return {};
+  Model model;
   std::vector<State> states;
   for (int round = 0; round < kRounds; ++round) {
-    states = smoothed(cells, variances);
+    model = likelier(cells, model);
+    states = smoothed(cells, model);
     for (std::size_t k = 0; k < cells.size(); ++k) {  // Huber's weights
       const double off_m = std::abs(cells[k].height_m - states[k].mean(0));
       const double most_m = kOutlierSigmas * std::sqrt(cells[k].variance_m2);
-      variances[k] = cells[k].variance_m2 * (off_m > most_m ? off_m / most_m : 1.0);
+      cells[k].weight = off_m > most_m ? most_m / off_m : 1.0;
     }
   }
+  GroundProfile profile;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const Cell& cell = cells[k];
-    const Vector2d error = states[k].mean.tail<2>();
-    GroundPoint& point = profile.points.emplace_back();
-    point.x_m = cell.p_map.x(), point.y_m = cell.p_map.y();
+    GroundPoint& point = profile.emplace_back();
+    point.x_m = cell.p_map.x(), point.y_m = cell.p_map.y(), point.yaw_rad = cell.yaw_rad;
     point.z_m = states[k].mean(0);
     point.variance_m2 = std::max(0.0, states[k].covariance(0, 0));
-    if (cell.has_tilt()) point.gradient = cell.gradient + geometry::rotation(cell.yaw_rad) * error;
+    if (!cell.has_tilt()) continue;
+    const Vector2d error = states[k].mean.segment<2>(1);
+    point.gradient = cell.gradient + geometry::rotation(cell.yaw_rad) * error;
+    point.slope_variance = std::max(0.0, states[k].covariance(2, 2));
   }
   return profile;
 }

@@ -25,16 +25,15 @@ struct GroundReading {
 struct GroundPoint {
   double x_m = 0.0;  ///< in map
   double y_m = 0.0;
+  double yaw_rad = 0.0;
   double z_m = 0.0;
-  double variance_m2 = 0.0;                 ///< of z_m, without shared_variance_m2
+  double variance_m2 = 0.0;                 ///< of z_m; neighbours err alike
   std::optional<Eigen::Vector2d> gradient;  ///< rise per metre along map's x and y, by the tilt
+  double slope_variance = 0.0;              ///< of its part across the way
 };
 
 /// The ground along the path of a drive, a point a metre.
-struct GroundProfile {
-  std::vector<GroundPoint> points;
-  double shared_variance_m2 = 0.0;  ///< of an error of all heights together [m2]
-};
+using GroundProfile = std::vector<GroundPoint>;
 
 /// Estimates the height of the ground along a path from the antenna's heights and from the tilt,
 /// summed over the way and smoothed from both ends. `readings`: in order of time;
@@ -42,7 +41,9 @@ struct GroundProfile {
 ///
 /// Without any antenna height the profile is empty: heights by tilt alone drift by a hundredth of
 /// the way and would be those of no frame. Without tilts, heights alone tell the ground along the
-/// path. Antenna heights far off the profile lose their weight.
+/// path. Antenna heights far off the profile lose their weight. What of a fix's variance is its
+/// own, how long its neighbours share the rest, and over which way a tilt errs alike, are those
+/// values under which the heights of the drive are likeliest.
 GroundProfile ground_along(const std::vector<GroundReading>& readings,
                            const Eigen::Vector3d& p_base_antenna_m);
 

@@ -414,40 +414,76 @@ def hill_rig(lab, slope, bumps_m3):
                              "simulation.terrain.slope_across_percent": 0.6 * slope, "simulation.terrain.roughness_m3": bumps_m3})
 
 
+MET = ("tree", "object", "branch", "grass", "ground")
+
+
+def met_by(lab, rig, seed, extra):
+    """Of landmarks that are nothing of the truth, how many are what most beams met there; the last number: where none met anything."""
+    places = [f"{e[axis]}" for e in extra for axis in ("x_m", "y_m")]
+    counts = dict.fromkeys((*MET, "nothing"), 0)
+    for there in lab.lines("met_at", lab.rig_file(rig), seed, *places) if places else []:
+        most = max(MET, key=lambda kind: there[kind])
+        counts[most if there[most] else "nothing"] += 1
+    return counts
+
+
+def tilt_errors(lab):
+    """A unit's biases hold for a drive, so that only drives tell them; scans of five beams tell when the truth is known."""
+    rig = lab.rig(hill_rig(lab, 10, BUMPS_M3[3]), {"simulation.scanner.num_beams": 5, "simulation.scanner.bearing_step_rad": 0.1})
+
+    def one(seed):
+        drive = lab.drive(rig, seed)
+        return json.loads(lab.run("attitude_trials", drive / "drive.lcm", drive / "poses.csv"))
+
+    tilts = lab.each(range(1, 101), one)
+    return {"tilt": f"{math.degrees(rms(t['rms_rad'] for t in tilts)):.2f}",
+            "tilt_most": f"{math.degrees(max(t['rms_rad'] for t in tilts)):.2f}",
+            "tilt_over_claim": f"{mean(t['over_claim'] for t in tilts):.2f}"}
+
+
 def hills(lab, seeds):
-    """Levelled, and taken as level."""
+    """Levelled, and taken as level; the last case is level ground without bumps."""
     def one(case):
         slope, bumps, seed = case
-        of = hill_rig(lab, slope, BUMPS_M3[bumps])
+        of = hill_rig(lab, slope, BUMPS_M3[bumps] if bumps else 0.0)
         drive = lab.drive(of, seed)
-        maps = [lab.map(drive, lab.rig(of, changes), "--quiet") for changes in ({}, {"laser.height_m": 0.0})]
-        tilt = json.loads(lab.run("attitude_trials", drive / "drive.lcm", drive / "poses.csv"))
-        return [(lab.judged(m, drive, align=False), held_for_trees(m, drive)) for m in maps], tilt
+        judged = []
+        for changes in ({}, {"laser.height_m": 0.0}):
+            made = lab.map(drive, lab.rig(of, changes), "--quiet")
+            figures = lab.judged(made, drive, align=False)
+            path = lab.path(made, drive / "poses.csv", "--gap", 0)
+            judged.append({"map": figures, "held": held_for_trees(made, drive),
+                           "path_percent": 100 * path["ape_position_m"]["rmse"] / path["way_m"],
+                           "met": met_by(lab, of, seed, figures["extra"]) if not changes else {}})
+        return judged
 
-    cases = [(slope, bumps, seed) for bumps in BUMPS_M3 for slope in SLOPES_PERCENT for seed in seeds]
+    cases = [(slope, bumps, seed) for bumps in BUMPS_M3 for slope in SLOPES_PERCENT for seed in seeds] + [(0, 0, seed) for seed in seeds]
     judged = dict(zip(cases, lab.each(cases, one)))
 
     def figures_of(slopes, bumps, how, name):
-        f1, held_f1, error_mm, extra = [], [], [], []
+        f1, held_f1, error_mm, extra, path = [], [], [], [], []
         for slope in slopes:
-            maps, held = zip(*(judged[slope, bumps, seed][0][how] for seed in seeds))
+            of = [judged[slope, bumps, seed][how] for seed in seeds]
+            maps = [j["map"] for j in of]
+            held = [j["held"] for j in of]
             error_mm.append(1e3 * mean(m["error_trees"]["rms_m"] for m in maps))
             right = sum(m["confusion"]["tree"]["tree"] for m in maps)
             wrong = sum(m["confusion"]["object"]["tree"] + sum(e["class"] == "tree" for e in m["extra"]) for m in maps)
             f1.append(2 * right / (right + wrong + sum(m["num_trees"] for m in maps)))
             held_f1.append(2 * sum(h[2] for h in held) / sum(h[0] + h[1] for h in held))
             extra.append(mean(m["num_extra"] for m in maps))
+            path.append(mean(j["path_percent"] for j in of))
         return {f"{name}f1_{bumps}": span(f1), f"{name}held_{bumps}": span(held_f1), f"{name}error_{bumps}": span(error_mm, 0),
-                f"{name}extra_{bumps}": span(extra, 1)}
+                f"{name}extra_{bumps}": span(extra, 1), f"{name}path_{bumps}": span(path, 3)}
 
-    figures = {}
+    figures = tilt_errors(lab)
     for how, name in enumerate(("", "level_")):
         for bumps in BUMPS_M3:
             figures.update(figures_of(SLOPES_PERCENT, bumps, how, name))
-    tilts = [tilt for _, tilt in judged.values()]
-    figures["tilt"] = f"{math.degrees(math.sqrt(mean(t['rms_rad'] ** 2 for t in tilts))):.2f}"
-    figures["tilt_most"] = f"{math.degrees(max(t['rms_rad'] for t in tilts)):.2f}"
-    figures["tilt_over_claim"] = f"{mean(t['over_claim'] for t in tilts):.2f}"
+        figures.update(figures_of((0,), 0, how, name))
+    for bumps in BUMPS_M3:
+        met = [judged[slope, bumps, seed][0]["met"] for slope in SLOPES_PERCENT for seed in seeds]
+        figures[f"met_{bumps}"] = span((mean(m[kind] for m in met) for kind in (*MET, "nothing")), 2)
     return figures
 
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detection/trunk_view.hpp"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -81,7 +82,8 @@ struct Projection {
       const double dt_s = motion->dt_s(static_cast<double>(beam));
       p_laser = moved(p_laser, rig.laser, motion->motion, dt_s);
     }
-    return rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
+    const Eigen::Vector2d p_plane = rig.plane_of_level * Eigen::Vector2d(p_laser.x_m, p_laser.y_m);
+    return rig.T_camera_laser(Eigen::Vector3d(p_plane.x(), p_plane.y(), 0.0));
   }
 };
 
@@ -96,6 +98,11 @@ std::optional<vision::PixelRect> window(const ProjectedPoint& point, double widt
 
 vision::PixelRect picture_of(const Rig& rig) {
   return {0, 0, rig.camera.intrinsics().width_px, rig.camera.intrinsics().height_px};
+}
+
+Eigen::Matrix2d plane_of_level(const Eigen::Matrix3d& R_level_base, double mount_yaw_rad) {
+  const Eigen::Matrix2d mount = Eigen::Rotation2Dd(mount_yaw_rad).toRotationMatrix();
+  return mount.transpose() * R_level_base.topLeftCorner<2, 2>().inverse() * mount;
 }
 
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,

@@ -25,6 +25,9 @@ struct TrunkView {
 /// The whole image of the rig's camera.
 vision::PixelRect picture_of(const Rig& rig);
 
+/// Rig::plane_of_level of a tilted robot whose scanner lies in base's plane.
+Eigen::Matrix2d plane_of_level(const Eigen::Matrix3d& R_level_base, double mount_yaw_rad);
+
 /// Projects a segment's P_start, P_end and middle into the image and places windows around them.
 /// With a motion, each point is first moved from its own beam's time to the exposure. None if the
 /// segment is not fully in view or too small in the image.

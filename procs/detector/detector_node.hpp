@@ -133,7 +133,8 @@ detection::ScanImagePairer make_pairer(const io::Config& config);
 /// With laser_rear.enabled the detections of SCAN.rear are joined with those of SCAN into one
 /// message; odometry, where the rig has it, compensates the motion between the two scans.
 ///
-/// With laser.height_m the scans are levelled by the IMU first.
+/// With laser.height_m the scans are levelled by the IMU first; the windows of a picture follow the
+/// roll and pitch at its scan.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
@@ -160,6 +161,7 @@ class DetectorNode : public bus::Node {
   bool compensates_motion() const;
   void use(const bus::Message& input, const bus::Outbox& send);
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
+  void look_tilted(const std::optional<pose::Attitude>& tilt);
   JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
@@ -172,6 +174,7 @@ class DetectorNode : public bus::Node {
   detection::ScanImagePairer pairer_;
   /// One per scan in pairer_, in the same order; none when computed ahead of its turn.
   std::deque<std::optional<detection::LaserFindings>> findings_;
+  std::deque<std::optional<pose::Attitude>> tilts_;  ///< of the same scans, where they are levelled
   std::optional<DetectionPrecomputer> precomputer_;
   std::unique_ptr<PrecomputedDetections> precomputed_;  ///< for the input being handled
   std::size_t num_precomputed_used_ = 0;                ///< pairs of precomputed_ used so far

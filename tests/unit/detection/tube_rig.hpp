@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "detection/rig.hpp"
@@ -62,9 +63,11 @@ inline laser::Scan scan_of(const std::vector<Tube>& tubes, std::int64_t utime = 
   return scan;
 }
 
-/// What the rig's undistorted camera sees of them: tubes without end before a grey wall.
-inline vision::Image picture_of_tubes(const std::vector<Tube>& tubes, const detection::Rig& rig,
-                                      std::int64_t utime = 1'000'000) {
+/// What the rig's undistorted camera sees of them: tubes without end before a grey wall. The tubes
+/// are upright in the level frame, in which the robot is turned by R_level_laser.
+inline vision::Image picture_of_tubes(
+    const std::vector<Tube>& tubes, const detection::Rig& rig, std::int64_t utime = 1'000'000,
+    const Eigen::Matrix3d& R_level_laser = Eigen::Matrix3d::Identity()) {
   const auto& camera = rig.camera.intrinsics();
   vision::Image image;
   image.utime = utime;
@@ -72,25 +75,35 @@ inline vision::Image picture_of_tubes(const std::vector<Tube>& tubes, const dete
   image.height_px = camera.height_px;
   image.encoding = vision::Encoding::kBgr8;
   image.data.assign(3u * static_cast<std::size_t>(camera.width_px * camera.height_px), 205);
-  for (int x = 0; x < camera.width_px; ++x) {
+  const auto paint = [&](const std::optional<Tube>& seen, int x, int y) {
+    if (!seen) return;
+    std::uint8_t* pixel = image.data.data() + 3 * (y * camera.width_px + x);
+    pixel[0] = seen->blue;
+    pixel[1] = seen->green;
+    pixel[2] = seen->red;
+  };
+  const auto& T_camera_laser = rig.T_camera_laser;
+  const Eigen::Vector3d eye =
+      -R_level_laser * T_camera_laser.rotation().transpose() * T_camera_laser.translation_m();
+  const auto seen_at = [&](int x, int y) {
     // The default extrinsics look along the laser's x axis with the image's x to the right.
-    const double bearing_rad = -std::atan((x - camera.cc_px[0]) / camera.fc_px[0]);
-    const Tube* seen = nullptr;
+    const Eigen::Vector3d ray =
+        R_level_laser * Eigen::Vector3d(1.0, -(x - camera.cc_px[0]) / camera.fc_px[0],
+                                        -(y - camera.cc_px[1]) / camera.fc_px[1]);
+    std::optional<Tube> seen;
     double nearest_m = 1e9;
-    for (const Tube& tube : tubes) {
-      const double range_m = hit_m(tube, bearing_rad);
+    for (Tube from_eye : tubes) {
+      from_eye.x_m -= eye.x(), from_eye.y_m -= eye.y();
+      const double range_m = hit_m(from_eye, std::atan2(ray.y(), ray.x()));
       if (range_m > 0.0 && range_m < nearest_m) {
         nearest_m = range_m;
-        seen = &tube;
+        seen = from_eye;
       }
     }
-    if (!seen) continue;
-    for (int y = 0; y < camera.height_px; ++y) {
-      std::uint8_t* pixel = image.data.data() + 3 * (y * camera.width_px + x);
-      pixel[0] = seen->blue;
-      pixel[1] = seen->green;
-      pixel[2] = seen->red;
-    }
+    return seen;
+  };
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) paint(seen_at(x, y), x, y);
   }
   return image;
 }

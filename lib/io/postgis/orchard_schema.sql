@@ -37,6 +37,10 @@ CREATE TABLE IF NOT EXISTS orchard.tree (
   place geometry(Point, 4326),
   PRIMARY KEY (block, date, id)
 );
+-- Height of the ground and its standard deviation above the map's datum, empty where unknown. Tables
+-- of before have neither.
+ALTER TABLE orchard.tree ADD COLUMN IF NOT EXISTS z_m double precision;
+ALTER TABLE orchard.tree ADD COLUMN IF NOT EXISTS z_sd_m double precision;
 CREATE INDEX IF NOT EXISTS tree_place ON orchard.tree USING gist (place);
 
 -- Rows that a later publication of the same block and date replaced or removed.
@@ -44,6 +48,8 @@ CREATE TABLE IF NOT EXISTS orchard.tree_replaced (
   LIKE orchard.tree,
   replaced_at timestamptz NOT NULL DEFAULT now()
 );
+ALTER TABLE orchard.tree_replaced ADD COLUMN IF NOT EXISTS z_m double precision;
+ALTER TABLE orchard.tree_replaced ADD COLUMN IF NOT EXISTS z_sd_m double precision;
 CREATE INDEX IF NOT EXISTS tree_replaced_at ON orchard.tree_replaced (block, date, replaced_at);
 
 -- The latest map of each block.

@@ -224,10 +224,14 @@ void append_line(const mapping::Landmark& l, const Publication::Name* name,
     lines += '\t';
     lines += fixed_text(value, 4);
   }
-  lines += '\t';
-  lines += l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : "\\N";
-  lines += '\t';
-  lines += fixed_text(l.probability, 4);
+  const auto append_known = [&lines](double value, bool is_known) {
+    lines += '\t';
+    lines += is_known ? fixed_text(value, 4) : "\\N";
+  };
+  append_known(l.width_sd_m, l.width_sd_m > 0.0);
+  append_known(l.z_m, l.z_sd_m > 0.0);
+  append_known(l.z_sd_m, l.z_sd_m > 0.0);
+  append_known(l.probability, true);
   lines += '\t';
   lines += std::to_string(l.num_observations);
   if (georeference) {
@@ -244,8 +248,9 @@ void make_tables(PostgresConnection& connection) {
   connection.run("BEGIN");
   connection.run("SELECT pg_advisory_xact_lock(hashtextextended('orchard.schema', 0))");
   const bool is_there = connection.run(
-                            "SELECT WHERE to_regclass('orchard.tree') IS NOT NULL AND "
-                            "to_regclass('orchard.tree_now') IS NOT NULL",
+                            "SELECT WHERE to_regclass('orchard.tree_now') IS NOT NULL AND EXISTS "
+                            "(SELECT FROM pg_attribute WHERE attname = 'z_sd_m' AND NOT "
+                            "attisdropped AND attrelid = to_regclass('orchard.tree_replaced'))",
                             {}) == 1;
   if (!is_there) connection.run(schema_text());
   style_for_qgis(connection);
@@ -257,8 +262,8 @@ void send(PostgresConnection& connection, const Publication& publication,
   connection.run(
       "CREATE TEMPORARY TABLE incoming (id integer PRIMARY KEY, class text, \"row\" integer, "
       "\"position\" integer, row_name text, tree_name text, x_m float8, y_m float8, se_x_m float8, "
-      "se_y_m float8, width_m float8, width_sd_m float8, probability float8, n integer, "
-      "longitude float8, latitude float8) ON COMMIT DROP");
+      "se_y_m float8, width_m float8, width_sd_m float8, z_m float8, z_sd_m float8, "
+      "probability float8, n integer, longitude float8, latitude float8) ON COMMIT DROP");
   connection.begin_copy("COPY incoming FROM STDIN");
   const std::size_t total = publication.landmarks.size();
   std::string lines;
@@ -288,28 +293,38 @@ PublishedCounts publish(const std::string& url, const Publication& publication,
   PublishedCounts counts;
   // rows that change or disappear are kept in another table
   counts.num_replaced = connection.run(
-      "INSERT INTO orchard.tree_replaced SELECT t.*, now() FROM orchard.tree t "
+      "INSERT INTO orchard.tree_replaced (block, date, id, class, \"row\", \"position\", row_name, "
+      "tree_name, x_m, y_m, se_x_m, se_y_m, width_m, width_sd_m, probability, n, place, z_m, "
+      "z_sd_m) "
+      "SELECT t.block, t.date, t.id, t.class, t.\"row\", t.\"position\", t.row_name, t.tree_name, "
+      "t.x_m, t.y_m, t.se_x_m, t.se_y_m, t.width_m, t.width_sd_m, t.probability, t.n, t.place, "
+      "t.z_m, t.z_sd_m FROM orchard.tree t "
       "LEFT JOIN incoming i USING (id) WHERE t.block = $1 AND t.date = $2::date AND "
       "(i.id IS NULL OR (t.class, t.\"row\", t.\"position\", t.row_name, t.tree_name, t.x_m, "
       "t.y_m, "
-      "t.se_x_m, t.se_y_m, t.width_m, t.width_sd_m, t.probability, t.n) IS DISTINCT FROM "
+      "t.se_x_m, t.se_y_m, t.width_m, t.width_sd_m, t.probability, t.n, t.z_m, "
+      "t.z_sd_m) IS DISTINCT FROM "
       "(i.class, i.\"row\", i.\"position\", i.row_name, i.tree_name, i.x_m, i.y_m, i.se_x_m, "
-      "i.se_y_m, i.width_m, i.width_sd_m, i.probability, i.n))",
+      "i.se_y_m, i.width_m, i.width_sd_m, i.probability, i.n, i.z_m, i.z_sd_m))",
       visit);
   connection.run(
       "DELETE FROM orchard.tree t WHERE t.block = $1 AND t.date = $2::date AND NOT EXISTS "
       "(SELECT FROM incoming i WHERE i.id = t.id)",
       visit);
   counts.num_published = connection.run(
-      "INSERT INTO orchard.tree SELECT $1, $2::date, id, class, \"row\", \"position\", row_name, "
+      "INSERT INTO orchard.tree (block, date, id, class, \"row\", \"position\", row_name, "
+      "tree_name, x_m, y_m, se_x_m, se_y_m, width_m, width_sd_m, probability, n, place, z_m, "
+      "z_sd_m) "
+      "SELECT $1, $2::date, id, class, \"row\", \"position\", row_name, "
       "tree_name, x_m, y_m, se_x_m, se_y_m, width_m, width_sd_m, probability, n, "
-      "ST_SetSRID(ST_MakePoint(longitude, latitude), 4326) FROM incoming "
+      "ST_SetSRID(ST_MakePoint(longitude, latitude), 4326), z_m, z_sd_m FROM incoming "
       "ON CONFLICT (block, date, id) DO UPDATE SET class = excluded.class, "
       "\"row\" = excluded.\"row\", \"position\" = excluded.\"position\", "
       "row_name = excluded.row_name, tree_name = excluded.tree_name, x_m = excluded.x_m, "
       "y_m = excluded.y_m, se_x_m = excluded.se_x_m, se_y_m = excluded.se_y_m, "
       "width_m = excluded.width_m, width_sd_m = excluded.width_sd_m, "
-      "probability = excluded.probability, n = excluded.n, place = excluded.place",
+      "probability = excluded.probability, n = excluded.n, place = excluded.place, "
+      "z_m = excluded.z_m, z_sd_m = excluded.z_sd_m",
       visit);
   connection.run(
       "INSERT INTO orchard.visit (block, date, num_trees, source) SELECT $1, $2::date, "

@@ -101,6 +101,36 @@ class Publish(unittest.TestCase):
         self.publish(self.map_of("second", lambda row: 0.01 if row == 1 else 0.0, {401, 402}))
         self.assertEqual(self.count("tree_replaced"), 14)  # nothing changed: nothing was replaced
 
+    def with_heights(self, folder, z_m):
+        """The map with a height of the ground for row 1."""
+        with open(folder + "/map.csv") as file:
+            header, *lines = file.read().splitlines()
+        with open(folder + "/map.csv", "w") as file:
+            file.write(header + ",length_m,direction_deg,z_m,z_sd_m\n")
+            for line in lines:
+                file.write(line + (f",,,{z_m:.4f},0.0700\n" if len(line.split(",")[0]) == 3 and line[0] == "1" else ",,,,\n"))
+        return folder
+
+    def test_heights_of_the_ground_and_their_change(self):
+        self.publish(self.with_heights(self.map_of("hill"), 12.5))
+        self.assertEqual(self.count("tree_now", "z_m = 12.5 AND z_sd_m = 0.07 AND id / 100 = 1"), TREES)
+        self.assertEqual(self.count("tree", "z_m IS NULL AND z_sd_m IS NULL"), (ROWS - 1) * TREES)
+        self.publish(self.with_heights(self.map_of("hill"), 12.75))
+        self.assertEqual(self.count("tree", "z_m = 12.75"), TREES)
+        self.assertEqual(self.count("tree_replaced", "z_m = 12.5 AND replaced_at IS NOT NULL"), TREES)
+        self.assertEqual(self.count("tree_replaced"), TREES)
+
+    def test_tables_of_before_get_their_heights(self):
+        self.publish(self.map_of("hill"))
+        self.server.sql("DROP VIEW orchard.tree_now")
+        for table in ("tree", "tree_replaced"):  # as they were created once
+            self.server.sql(f"ALTER TABLE orchard.{table} DROP COLUMN z_m, DROP COLUMN z_sd_m")
+        self.server.sql("CREATE VIEW orchard.tree_now AS SELECT t.* FROM orchard.tree t "
+                        "JOIN (SELECT block, max(date) AS date FROM orchard.visit GROUP BY block) v USING (block, date)")
+        self.publish(self.with_heights(self.map_of("hill"), 12.5))
+        self.assertEqual(self.count("tree_now", "z_m = 12.5"), TREES)
+        self.assertEqual(self.count("tree_replaced", "z_m IS NULL AND replaced_at IS NOT NULL"), TREES)
+
     def test_names_of_people_and_plan(self):
         folder = self.map_of("named")
         with open(folder + "/names.csv", "w") as file:

@@ -417,6 +417,8 @@ EXPERIMENTS = {
             "2 ms, 20 ms", "the same"),
         Row("two_machines", "two machines by the page on deployment: the map against the recording's on one",
             "the same bytes", "the same"),
+        Row("levelled", "a robot that sways on a slope, scans levelled by its IMU, live over a link that delays by 20 ms and repeats a tenth: "
+            "its map against the log's; against that of what its host heard", "the same bytes", "the same"),
         Row("day", "24 h of driving in one process, twice", "the same bytes", "the same"),
         Row("pictures", "18 minutes of driving with pictures at five times real time, on a busy machine: messages lost by the mapper; more processor "
             "for a minute of driving in the last third than in the second", "0; 10 %", "the same",

@@ -32,7 +32,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 MEASUREMENTS = {
     function.__name__: function for function in (
         measure_link.loss, measure_link.loss_default_kernel, measure_link.duplicates,
-        measure_link.reorder, measure_link.link_down, measure_link.slow_link,
+        measure_link.reorder, measure_link.levelled, measure_link.link_down, measure_link.slow_link,
         measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full,
         measure_disk.rotation, measure_hostile.hostile,
         measure_hostile.hostile_guarded,

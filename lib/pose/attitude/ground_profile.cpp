@@ -31,12 +31,14 @@ constexpr int kRounds = 4;
 struct Model {
   double own_share = 0.05;   ///< of a fix's variance; the rest is that of its neighbours, too
   double shared_s = 1000.0;  ///< in which that changes
-  double memory_m = 1.0;  ///< over which the error of the tilt is one, or where unknown the slope
+  double memory_m = 1.0;   ///< over which the error of the tilt is one, or where unknown the slope
+  double uneven_m = 0.08;  ///< what a metre adds to heights beside a slope that no tilt tells
 };
 // derived: a factor of three in a time or length is about what one drive tells: from some fixes to
 // a quarter of an hour, from a body's length to that of a row and more.
 constexpr std::array kOwnShares{0.05, 0.2, 0.4, 0.6, 0.8, 1.0};
 constexpr std::array kShared_s{1000.0, 300.0, 100.0, 30.0, 10.0};
+constexpr std::array kUneven_m{0.08, 0.04, 0.02, 0.01, 0.005};
 constexpr std::array kMemory_m{1.0, 3.0, 10.0, 30.0, 100.0, 300.0};
 
 /// What was read within a metre of the path.
@@ -140,7 +142,9 @@ Step step_between(const Cell& from, const Cell& to, const Model& model) {
   step.A.block<2, 2>(1, 1) *= kept;
   step.A(3, 3) = shared;
   const double renewed = slope_variance(to) * (1.0 - kept * kept);
-  step.noise << 0.0, renewed, renewed, 1.0 - square(shared);
+  const bool is_told = from.has_tilt() && to.has_tilt();
+  step.noise << (is_told ? 0.0 : square(model.uneven_m) * length_m), renewed, renewed,
+      1.0 - square(shared);
   return step;
 }
 
@@ -216,6 +220,7 @@ Model likelier(const std::vector<Cell>& cells, Model model) {
   };
   choose(&Model::own_share, kOwnShares);
   choose(&Model::shared_s, kShared_s);
+  choose(&Model::uneven_m, kUneven_m);
   choose(&Model::memory_m, kMemory_m);
   return model;
 }

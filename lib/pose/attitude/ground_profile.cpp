@@ -250,7 +250,14 @@ GroundProfile ground_along(const std::vector<GroundReading>& readings,
     point.x_m = cell.p_map.x(), point.y_m = cell.p_map.y(), point.yaw_rad = cell.yaw_rad;
     point.z_m = states[k].mean(0);
     point.variance_m2 = std::max(0.0, states[k].covariance(0, 0));
-    if (!cell.has_tilt()) continue;
+    if (!cell.has_tilt()) {
+      // An antenna h above a slope g is h g^2 / 2 lower than upright, and h g downhill of its
+      // robot, where the ground is h g^2 lower.
+      const double slope2 = states[k].mean.segment<2>(1).squaredNorm() +
+                            states[k].covariance.block<2, 2>(1, 1).trace();
+      point.variance_m2 += square(0.5 * p_base_antenna_m.z() * slope2);
+      continue;
+    }
     const Vector2d error = states[k].mean.segment<2>(1);
     point.gradient = cell.gradient + geometry::rotation(cell.yaw_rad) * error;
     point.slope_variance = std::max(0.0, states[k].covariance(2, 2));

@@ -41,6 +41,7 @@ struct Drive {
   double shared_fraction = 0.0;                  ///< of the variance: an error that fades in 60 s
   double fixes_from_m = 60.0, fixes_to_m = 0.0;  ///< between them none
   Vector3d antenna_m = Vector3d::Zero();
+  bool is_placed_by_antenna = false;  ///< as by fixes of a robot whose tilt nobody knows
   double outlier_fraction = 0.0;
 };
 
@@ -67,10 +68,13 @@ std::vector<GroundReading> readings_of(const Drive& drive, std::uint64_t seed) {
       r.tilt = Attitude{std::atan2(R(2, 1), R(2, 2)), -std::asin(R(2, 0)) + drive.pitch_bias_rad,
                         drive.tilt_sd_rad};
     }
+    const double height_m = hill_m(r.x_m, r.y_m) + (R * drive.antenna_m).z();
+    if (drive.is_placed_by_antenna) {
+      r.x_m += (R * drive.antenna_m).x(), r.y_m += (R * drive.antenna_m).y();
+    }
     const double way_m = 0.2 * i;
     if (i % 3 == 0 && !(way_m > drive.fixes_to_m && way_m < drive.fixes_from_m)) {
-      r.antenna_height_m = hill_m(r.x_m, r.y_m) + (R * drive.antenna_m).z() +
-                           drive.height_sd_m * (own * normal(random) + all * shared) +
+      r.antenna_height_m = height_m + drive.height_sd_m * (own * normal(random) + all * shared) +
                            (uniform(random) < drive.outlier_fraction ? 5.0 : 0.0);
       r.antenna_variance_m2 = drive.height_sd_m * drive.height_sd_m;
     }
@@ -103,6 +107,21 @@ TEST(GroundProfile, HeightsAloneTellTheGround) {
     EXPECT_LT(e.x(), 0.04);
     EXPECT_GT(e.y(), 0.2);
     EXPECT_LT(e.y(), 1.5);
+  }
+}
+
+TEST(GroundProfile, AnAntennaOfUnknownTiltStandsBesideItsRobot) {
+  Drive drive;
+  drive.has_tilt = false;
+  drive.is_placed_by_antenna = true;
+  drive.antenna_m = Vector3d(0.0, 0.0, 3.0);
+  drive.height_sd_m = 0.02;
+  drive.fixes_from_m = drive.fixes_to_m;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const GroundProfile profile = ground_along(readings_of(drive, seed), drive.antenna_m);
+    const Vector2d e = errors(profile);
+    EXPECT_GT(e.x(), 0.015);  // 0.5 x 3 m x 0.1^2
+    EXPECT_LT(e.y(), 1.3);
   }
 }
 

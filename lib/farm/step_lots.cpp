@@ -8,10 +8,9 @@
 namespace orchard::farm {
 namespace {
 
-/// physical: a job costs the engine so much, with its submission, and a program until it is linked.
-constexpr double kStart_s = 0.3, kLink_s = 0.2;
-/// derived: so that starts take at most a tenth of the processors.
-constexpr double kLeastLot_s = 10.0 * (kStart_s + kLink_s);
+constexpr double kStart_s = 0.3;  ///< physical: a job costs the engine so much, with its submission
+/// derived: 10 kStart_s, so that the engine takes at most a tenth of the processors.
+constexpr double kLeastLot_s = 3.0;
 
 /// Steps that must be in one lot.
 struct Chain {

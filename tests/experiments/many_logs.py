@@ -31,7 +31,7 @@ from small_drive import make_drive  # noqa: E402
 
 ORCHARD = os.environ.get("BUILD", ROOT + "/build") + "/bin/orchard"
 DATES, ROBOTS = 3, 2
-START_S, LEAST_LOT_S = 0.3, 5.0  # as in lib/farm/step_lots.cpp
+START_S, LEAST_LOT_S = 0.3, 3.0  # as in lib/farm/step_lots.cpp
 NODE_S = 2.0  # Snakemake starts once more on the node of every job
 SEPARATE = {"logs": 10_000, "cores": 1_000}
 

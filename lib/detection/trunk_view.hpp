@@ -25,7 +25,8 @@ struct TrunkView {
 /// The whole image of the rig's camera.
 vision::PixelRect picture_of(const Rig& rig);
 
-/// Rig::plane_of_level of a tilted robot whose scanner lies in base's plane.
+/// Rig::plane_of_level (laser frame to laser frame) of a robot tilted by `R_level_base`, whose
+/// scanner lies in base's plane, turned by `mount_yaw_rad`.
 Eigen::Matrix2d plane_of_level(const Eigen::Matrix3d& R_level_base, double mount_yaw_rad);
 
 /// Projects a segment's P_start, P_end and middle into the image and places windows around them.

@@ -38,7 +38,7 @@ std::string fraction(const char* what, std::int64_t num, std::int64_t num_all) {
 void Inbox::add(Arrival arrival) {
   Lane& lane = lane_of(arrival.message);
   const bool is_image = channel_of(arrival.message) == Channel::kImage;
-  if (is_image && needs_images_ && lane.num_ready >= kImagesMax) drop_oldest_image();
+  if (is_image && needs_images_) drop_images_before(arrival.time - kImageWait);
   if (lane.num_ready + lane.parked.size() >= kMessagesMax ||
       num_bytes_ + arrival.num_bytes > kBytesMax) {
     ++num_dropped_;
@@ -130,13 +130,15 @@ std::optional<int> Inbox::ms_until_next(Clock::time_point now) const {
   return static_cast<int>(std::max<std::int64_t>(ms, 0));
 }
 
-void Inbox::drop_oldest_image() {
-  const auto oldest = std::find_if(ready_.begin(), ready_.end(), [](const Arrival& waiting) {
-    return channel_of(waiting.message) == Channel::kImage;
-  });
-  if (oldest == ready_.end()) return;
-  forget(lane_of(oldest->message), *oldest);
-  ready_.erase(oldest);
+void Inbox::drop_images_before(Clock::time_point time) {
+  Lane& images = lanes_[static_cast<std::size_t>(Channel::kImage)];
+  const auto is_dropped = [&](const Arrival& waiting) {
+    const bool is_old = waiting.time < time && channel_of(waiting.message) == Channel::kImage;
+    if (is_old) forget(images, waiting);
+    return is_old;
+  };
+  if (images.num_ready == 0 || ready_.front().time >= time) return;
+  ready_.erase(std::remove_if(ready_.begin(), ready_.end(), is_dropped), ready_.end());
 }
 
 void Inbox::forget(Lane& lane, const Arrival& arrival) {

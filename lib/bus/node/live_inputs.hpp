@@ -28,9 +28,10 @@ class Inbox {
   /// dropped.
   static constexpr std::size_t kMessagesMax = 2000;
   static constexpr std::size_t kBytesMax = 64 << 20;
-  /// Max number of images waiting for a slow node that can do nothing without them; beyond it the
-  /// oldest is dropped, because the newest matter.
-  static constexpr std::size_t kImagesMax = 4;
+  /// How long an image may wait for a slow node that can do nothing without them, when newer ones
+  /// arrive. A busy machine stops a process for tenths of a second; one that lags for longer is too
+  /// slow for its images, and the newest matter.
+  static constexpr std::chrono::milliseconds kImageWait{1000};
 
   struct Arrival {
     Clock::time_point time;  ///< of arrival, or of a predecessor's that arrived later
@@ -69,7 +70,7 @@ class Inbox {
   void pass(Lane& lane, Arrival arrival);
   void release(Lane& lane, Clock::time_point arrived_before);
   bool is_held() const;
-  void drop_oldest_image();
+  void drop_images_before(Clock::time_point time);
   void forget(Lane& lane, const Arrival& arrival);
 
   bool needs_images_;

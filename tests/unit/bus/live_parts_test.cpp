@@ -121,6 +121,27 @@ TEST(Inbox, IsBoundedInMessagesAndBytes) {
   EXPECT_LE(gaps.size(), Inbox::kMessagesMax);
 }
 
+TEST(Inbox, ANodeThatStoppedForLessThanASecondLosesNoImageAndASlowOneTheOldest) {
+  const auto left_of = [](int num, bool needs_images) {
+    Inbox inbox(needs_images);
+    for (int i = 0; i < num; ++i) {  // 50 images a second
+      const Time time = Time() + milliseconds(20 * i);
+      vision::Image image;
+      image.seq = i;
+      inbox.add({time, image, 100});
+      inbox.add(scan(i, time));
+    }
+    std::int64_t num_images = 0;
+    while (const auto arrival = inbox.take(Time() + milliseconds(20 * num))) {
+      num_images += channel_of(arrival->message) == Channel::kImage ? 1 : 0;
+    }
+    return num_images;
+  };
+  EXPECT_EQ(left_of(50, true), 50);
+  EXPECT_EQ(left_of(150, true), 51) << "the newest second's";
+  EXPECT_EQ(left_of(150, false), 150) << "of a node that may use each of them late";
+}
+
 using std::chrono::milliseconds;
 using Time = InputWatch::Clock::time_point;
 

@@ -374,12 +374,11 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
   return georeference;
 }
 
-/// The ground along the corrected path. Empty without a georeference: nobody could say above what
-/// the heights are.
+/// The ground along the corrected path.
 pose::GroundProfile MapperNode::ground_profile() const {
   const bool has_height = std::any_of(fixes_.begin(), fixes_.end(),
                                       [](const auto& fix) { return fix.height_variance_m2 > 0.0; });
-  if (!has_height || !georeference()) return {};
+  if (!has_height) return {};
   std::vector<pose::GroundReading> readings;
   const auto read = [&](std::int64_t utime) {
     const auto pose = track_.at(utime);
@@ -439,7 +438,7 @@ std::string MapperNode::warning() const {
   };
   add(beam_times_.text());
   add(label_conflicts_text());
-  const auto place = fixes_.empty() ? std::nullopt : georeference();
+  const auto& place = on_earth().place;
   if (place && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
     add(
         fmt::format("the GNSS fixes deviate by {:.2f} m (RMS) from the georeferenced map, more "
@@ -506,14 +505,28 @@ std::string MapperNode::waiting_for() const {
 
 using mapping::Omission;
 
+/// Without a georeference nobody could say above what the heights are.
+MapperNode::OnEarth MapperNode::read_on_earth() const {
+  OnEarth read{fixes_.size(), georeference(), {}};
+  if (read.place) read.ground = ground_profile();
+  return read;
+}
+
+const MapperNode::OnEarth& MapperNode::on_earth() const {
+  if (is_flushed_ || 8 * fixes_.size() >= 9 * on_earth_.num_fixes) {
+    on_earth_ = read_on_earth();
+  }
+  return on_earth_;
+}
+
 const mapping::FinishedMap& MapperNode::finished() const {
-  if (!finished_) finished_ = mapping::finish(mapper_, ground_profile());
+  if (!finished_) finished_ = mapping::finish(mapper_, read_on_earth().ground);
   return *finished_;
 }
 
 std::vector<mapping::Landmark> MapperNode::finished_landmarks() const {
   if (finished_) return finished_->landmarks;
-  return mapping::finish_without_ways(mapper_, ground_profile()).landmarks;
+  return mapping::finish_without_ways(mapper_, on_earth().ground).landmarks;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

@@ -32,12 +32,12 @@ def laser_rig(drive, path):
         file.write(text)
 
 
-def day_log(drive, path, hours, channels=("SCAN", "ODOMETRY", "POSE_FIX", "GNSS")):
+def day_log(drive, path, hours, channels=("SCAN", "ODOMETRY", "POSE_FIX", "GNSS"), gap_us=GAP_us):
     """The drive's lap again and again for so many hours, times and numbers going on; its laps."""
     lap = [(wire.stamp(data)[0], channel, data) for _, channel, data in wire.read_log(drive.log)
            if channel in channels]
     first, last = lap[0][0], lap[-1][0]
-    length_us = last - first + GAP_us
+    length_us = last - first + gap_us
     num_laps = max(1, round(hours * 3.6e9 / length_us))
     count = wire.per_channel(lap)
     num = 0

@@ -165,56 +165,60 @@ double correct(const Cell& cell, const Model& model, State& state) {
   return std::log(variance_m2) + off2;
 }
 
-/// A Kalman filter along the path; what it expected at each cell, and what it knew.
-struct Filtered {
-  std::vector<State> expected, known;
-  std::vector<Step> steps;
-  double unlikely = 0.0;  ///< see correct()
-};
-
-Filtered filtered(const std::vector<Cell>& cells, const Model& model) {
-  Filtered of;
-  of.expected.resize(cells.size()), of.known.resize(cells.size()), of.steps.resize(cells.size());
+/// A Kalman filter along the path. `note` gets the step to each cell, what was expected there and
+/// what is known with its fixes. Returns how unlikely the fixes are (correct()).
+template <class Note>
+double filter(const std::vector<Cell>& cells, const Model& model, const Note& note) {
+  State state;
+  double unlikely = 0.0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    State& state = of.known[k];
+    Step step;
     if (cells[k].begins) {
       state = start(cells[k]);
     } else {
-      const Step& s = of.steps[k] = step_between(cells[k - 1], cells[k], model);
-      state.mean = s.A * of.known[k - 1].mean;
-      state.mean(0) += s.rise_m;
-      state.covariance = s.A * of.known[k - 1].covariance * s.A.transpose();
-      state.covariance.diagonal() += s.noise;
+      step = step_between(cells[k - 1], cells[k], model);
+      state.mean = step.A * state.mean;
+      state.mean(0) += step.rise_m;
+      state.covariance = step.A * state.covariance * step.A.transpose();
+      state.covariance.diagonal() += step.noise;
     }
-    of.expected[k] = state;
-    of.unlikely += correct(cells[k], model, state);
+    const State expected = state;
+    unlikely += correct(cells[k], model, state);
+    note(step, expected, state);
   }
-  return of;
+  return unlikely;
+}
+
+double unlikely_under(const Model& model, const std::vector<Cell>& cells) {
+  return filter(cells, model, [](const Step&, const State&, const State&) {});
 }
 
 /// Rauch, Tung and Striebel: forwards by a Kalman filter, then what is known later backwards.
 std::vector<State> smoothed(const std::vector<Cell>& cells, const Model& model) {
-  Filtered of = filtered(cells, model);
+  std::vector<Step> steps;
+  std::vector<State> expected, known;
+  filter(cells, model, [&](const Step& step, const State& before, const State& after) {
+    steps.push_back(step), expected.push_back(before), known.push_back(after);
+  });
   for (std::size_t k = cells.size(); k-- > 1;) {
     if (cells[k].begins) continue;
-    State& before = of.known[k - 1];
-    const State &expected = of.expected[k], &now = of.known[k];
+    State& before = known[k - 1];
     const Matrix4d G =
-        expected.covariance.ldlt().solve(of.steps[k].A * before.covariance).transpose();
-    before.mean += G * (now.mean - expected.mean);
-    before.covariance += G * (now.covariance - expected.covariance) * G.transpose();
+        expected[k].covariance.ldlt().solve(steps[k].A * before.covariance).transpose();
+    before.mean += G * (known[k].mean - expected[k].mean);
+    before.covariance += G * (known[k].covariance - expected[k].covariance) * G.transpose();
   }
-  return of.known;
+  return known;
 }
 
 /// The likeliest model, one of its values after the other.
 Model likelier(const std::vector<Cell>& cells, Model model) {
-  double least = filtered(cells, model).unlikely;
+  double least = unlikely_under(model, cells);
   const auto choose = [&](double Model::*value, const auto& candidates) {
     for (const double candidate : candidates) {
       Model other = model;
       other.*value = candidate;
-      const double unlikely = filtered(cells, other).unlikely;
+      const double unlikely = unlikely_under(other, cells);
       if (unlikely < least) least = unlikely, model = other;
     }
   };

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "geometry/angles.hpp"
@@ -61,6 +62,8 @@ constexpr double kCoordinateMaxPx = 1e6;  // cairo's fixed-point numbers end at 
 constexpr double kPointsPerPx = 0.75;     // PDF uses units of 1/72 inch
 constexpr double kDashPx[] = {4.0, 3.0};
 constexpr double kHaloPx = 3.0;
+// derived: of a picture in place of shapes; 192 dpi on paper, where a sign is ten pixels wide.
+constexpr double kPicturePerPx = 2.0;
 constexpr const char* kFont = "DejaVu Sans";
 // PDF requires a date; the current time would make every file different.
 constexpr const char* kPdfDate = "2000-01-01T00:00:00Z";
@@ -358,6 +361,28 @@ void Canvas::image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, in
   cairo_rectangle(cairo, 0.0, 0.0, width_px, height_px);
   cairo_fill(cairo);
   cairo_restore(cairo);
+  cairo_surface_destroy(picture);
+}
+
+void Canvas::signs(std::size_t num, double radius_px, const PixelBox& box,
+                   const std::function<void()>& draw) {
+  const double covered_px2 = static_cast<double>(num) * geometry::kPi * radius_px * radius_px;
+  if (page_->format == FigureFormat::kPng || covered_px2 < box.width() * box.height()) {
+    return draw();
+  }
+  cairo_surface_t* picture =
+      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, std::lround(kPicturePerPx * box.width()),
+                                 std::lround(kPicturePerPx * box.height()));
+  cairo_surface_set_device_scale(picture, kPicturePerPx, kPicturePerPx);
+  cairo_surface_set_device_offset(picture, -kPicturePerPx * box.x0, -kPicturePerPx * box.y0);
+  cairo_t* page = std::exchange(page_->cairo, cairo_create(picture));
+  cairo_set_line_join(page_->cairo, CAIRO_LINE_JOIN_ROUND);
+  draw();
+  page_->check();
+  cairo_destroy(std::exchange(page_->cairo, page));
+  cairo_set_source_surface(page_->cairo, picture, 0.0, 0.0);
+  cairo_rectangle(page_->cairo, box.x0, box.y0, box.width(), box.height());
+  cairo_fill(page_->cairo);
   cairo_surface_destroy(picture);
 }
 

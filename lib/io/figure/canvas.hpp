@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,6 +74,12 @@ class Canvas {
   /// Draws an image stretched to the box without smoothing. `bgr`: rows of three bytes per pixel.
   void image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, int width_px,
              int height_px);
+
+  /// Draws what `draw` draws on this canvas as one picture of the box if so many signs, of at least
+  /// this radius, cover it more than once: an SVG or a PDF of single shapes would show no more, and
+  /// take kilobytes of memory for each.
+  void signs(std::size_t num, double radius_px, const PixelBox& box,
+             const std::function<void()>& draw);
 
   /// Sets the creation date of a PDF, "2026-11-22"; empty: the same constant date in every PDF.
   void set_day(const std::string& day);

@@ -97,7 +97,7 @@ std::vector<LegendItem> legend_of(const mapping::MapComparison& comparison) {
 }  // namespace
 
 std::string comparison_figure(const ComparisonContent& content, FigureFormat format) {
-  constexpr double kSignPx = 9.0;
+  constexpr double kSignPx = 9.0, kQuietSignPx = 3.0;
   const std::vector<MapChange>& changes = content.comparison.changes;
   std::vector<Eigen::Vector2d> points;
   for (const MapChange& c : changes) points.push_back(c.p_a);
@@ -105,15 +105,17 @@ std::string comparison_figure(const ComparisonContent& content, FigureFormat for
   Canvas canvas(format, frame.width_px(), frame.height_px());
   frame.draw(canvas);
   LabelPlacement placement(frame.box());
-  for (const bool quiet : {true, false}) {  // changed landmarks on top
-    for (const MapChange& c : changes) {
-      if (is_quiet(c.change) != quiet) continue;
-      draw_change(frame, content, c, canvas);
-      const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
-      const double radius = quiet ? 3.0 : kSignPx;
-      placement.take({at.x - radius, at.y - radius, at.x + radius, at.y + radius});
+  canvas.signs(changes.size(), kQuietSignPx, frame.box(), [&] {
+    for (const bool quiet : {true, false}) {  // changed landmarks on top
+      for (const MapChange& c : changes) {
+        if (is_quiet(c.change) != quiet) continue;
+        draw_change(frame, content, c, canvas);
+        const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
+        const double radius = quiet ? kQuietSignPx : kSignPx;
+        placement.take({at.x - radius, at.y - radius, at.x + radius, at.y + radius});
+      }
     }
-  }
+  });
   for (const MapChange& c : changes) {
     if (is_quiet(c.change)) continue;
     draw_label(frame.at(c.p_a.x(), c.p_a.y()), kSignPx, caption(content, c), 11.0, kBlack,

@@ -157,16 +157,18 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
   Canvas canvas(format, frame.width_px(), frame.height_px());
   canvas.set_day(heading.day);
   frame.draw(canvas);
-  draw_graph(frame, graph, canvas);
-  draw_row_lines(frame, rows, canvas);
-  frame.draw_path(trajectory, canvas);
   LabelPlacement placement(frame.box());
-  for (const Kind kind : {Kind::kUnseen, Kind::kObject, Kind::kTrunk, Kind::kTree}) {
-    for (const Landmark& l : landmarks) {
-      if (mapping::kind_of(l) != kind) continue;
-      draw_landmark(frame, l, style_of(kind, kinds), sizes, placement, canvas);
+  canvas.signs(landmarks.size(), sizes.radius_px, frame.box(), [&] {
+    draw_graph(frame, graph, canvas);
+    draw_row_lines(frame, rows, canvas);
+    frame.draw_path(trajectory, canvas);
+    for (const Kind kind : {Kind::kUnseen, Kind::kObject, Kind::kTrunk, Kind::kTree}) {
+      for (const Landmark& l : landmarks) {
+        if (mapping::kind_of(l) != kind) continue;
+        draw_landmark(frame, l, style_of(kind, kinds), sizes, placement, canvas);
+      }
     }
-  }
+  });
   for (const mapping::Row& row : rows) {
     if (row.places.size() < 2) continue;
     draw_row_name(frame.at(row.places[0].p_map.x(), row.places[0].p_map.y()),

@@ -215,9 +215,11 @@ struct GeoPackage::Impl {
                  {"Orchard map (local)", system_id, "NONE", system_id, kLocalSystem, Value()});
     }
   }
-  ~Impl() {
-    sqlite3_finalize(insert_feature);
-    sqlite3_close(database);
+  ~Impl() { close(); }
+
+  void close() {
+    sqlite3_finalize(std::exchange(insert_feature, nullptr));
+    sqlite3_close(std::exchange(database, nullptr));
   }
 
   /// A value of a row; integers and texts besides those of a feature.
@@ -400,6 +402,7 @@ std::string GeoPackage::finish() {
   const std::unique_ptr<unsigned char, void (*)(void*)> bytes(
       sqlite3_serialize(m.database, "main", &size, 0), sqlite3_free);
   m.require(bytes != nullptr);
+  m.close();  // three copies of a large map at once would be one too many
   return std::string(reinterpret_cast<const char*>(bytes.get()), static_cast<std::size_t>(size));
 }
 

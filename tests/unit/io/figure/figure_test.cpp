@@ -8,7 +8,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -137,6 +136,41 @@ TEST(Canvas, AnSvgHasTheShapesOfTheDrawing) {
   EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n");
 }
 
+/// The first picture within an SVG.
+cv::Mat picture_in(const std::string& svg) {
+  constexpr std::string_view kBegin = "data:image/png;base64,";
+  const std::size_t begin = svg.find(kBegin);
+  if (begin == std::string::npos) return {};
+  std::string file;
+  unsigned bits = 0, num_bits = 0;
+  for (std::size_t i = begin + kBegin.size(); svg[i] != '"' && svg[i] != '='; ++i) {
+    constexpr std::string_view kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const std::size_t digit = kDigits.find(svg[i]);
+    if (digit == std::string_view::npos) continue;  // the end of a line
+    bits = bits << 6 | static_cast<unsigned>(digit);
+    if ((num_bits += 6) >= 8) file += static_cast<char>(bits >> (num_bits -= 8));
+  }
+  return decoded(file);
+}
+
+TEST(Canvas, MoreSignsThanFitSideBySideAreAPictureInTheirPlace) {
+  const PixelBox box{20.0, 10.0, 120.0, 60.0};
+  const auto svg_with = [&box](std::size_t num) {
+    Canvas canvas(FigureFormat::kSvg, 200, 100);
+    canvas.signs(num, 5.0, box, [&canvas] { canvas.circle({50.0, 25.0}, 5.0, kRed, kRed); });
+    return canvas.finish();
+  };
+  EXPECT_TRUE(picture_in(svg_with(60)).empty()) << "of 64 that cover the box once";
+  const cv::Mat picture = picture_in(svg_with(70));
+  ASSERT_EQ(picture.size(), cv::Size(200, 100)) << "of twice the page's resolution";
+  const auto spots = spots_of(picture, kRed, 10);
+  ASSERT_EQ(spots.size(), 1u);
+  EXPECT_NEAR(spots[0].x, 60.0, 0.5);
+  EXPECT_NEAR(spots[0].y, 30.0, 0.5);
+  EXPECT_NEAR(spots[0].area, 380.0, 50.0) << "a radius of 11 pixels with its rim";
+}
+
 TEST(Canvas, APdfHasOnePageOfItsSizeAndNoDateOfToday) {
   const std::string pdf = drawn(FigureFormat::kPdf);
   EXPECT_EQ(pdf.substr(0, 5), "%PDF-");
@@ -181,76 +215,6 @@ TEST(Canvas, TheFormatIsThatOfTheFilesName) {
   EXPECT_EQ(figure_format("b.pdf"), FigureFormat::kPdf);
   EXPECT_THROW(figure_format("b.jpg"), FileError);
   EXPECT_THROW(figure_format("png"), FileError);
-}
-
-TEST(DrawnText, KeepsWhatTheFontHas) {
-  for (const char* text :
-       {"Row 12 <&>", "Secci\xC3\xB3n del tronco, cm\xC2\xB2", "\xE2\x80\x93 \xE2\x89\xA5 0.5"}) {
-    EXPECT_EQ(drawn_text(text), text);
-  }
-}
-
-TEST(DrawnText, WhatIsNoTextIsAQuestionMark) {
-  EXPECT_EQ(drawn_text("a\nb\tc\x7F"), "a?b?c?");
-  EXPECT_EQ(drawn_text("\xFF\xC3 "), "?? ") << "no UTF-8";
-  EXPECT_EQ(drawn_text("\xC3"), "?") << "cut off";
-  EXPECT_EQ(drawn_text("\xC0\xAF\xE0\x80\xAF"), "?????") << "longer than need be";
-  EXPECT_EQ(drawn_text("\xED\xA0\x80"), "?") << "half a pair";
-  EXPECT_EQ(drawn_text("\xE2\x80\xAE"), "?") << "turns the direction of reading";
-  EXPECT_EQ(drawn_text("\xF0\x9F\x8C\xB3"), "?") << "a picture";
-}
-
-constexpr PixelBox kPage{10.0, 20.0, 410.0, 320.0};
-
-bool overlap(const PixelBox& a, const PixelBox& b) {
-  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
-}
-
-PixelBox box_of(PixelPoint centre, double width, double height) {
-  return {centre.x - 0.5 * width, centre.y - 0.5 * height, centre.x + 0.5 * width,
-          centre.y + 0.5 * height};
-}
-
-TEST(LabelPlacement, GoesToTheRightFirstAndToTheLeftAtThePagesEdge) {
-  LabelPlacement placement(kPage);
-  const auto free = placement.place({200.0, 100.0}, 6.0, 20.0, 10.0);
-  ASSERT_TRUE(free);
-  EXPECT_DOUBLE_EQ(free->x, 200.0 + 6.0 + 3.0 + 10.0);
-  EXPECT_DOUBLE_EQ(free->y, 100.0);
-  const auto at_edge = placement.place({400.0, 100.0}, 6.0, 20.0, 10.0);
-  ASSERT_TRUE(at_edge);
-  EXPECT_DOUBLE_EQ(at_edge->x, 400.0 - 6.0 - 3.0 - 10.0);
-  EXPECT_FALSE(placement.place({200.0, 200.0}, 6.0, 500.0, 10.0)) << "wider than the page";
-}
-
-TEST(LabelPlacement, OfACrowdNoTwoOverlapAndNoneLeavesThePage) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> x(0.0, 420.0), y(10.0, 330.0);
-  constexpr double kWidth = 22.0, kHeight = 10.0, kRadius = 3.0;
-  LabelPlacement placement(kPage);
-  std::vector<PixelPoint> signs;
-  std::vector<PixelBox> taken;
-  for (int i = 0; i < 400; ++i) {
-    signs.push_back({x(random), y(random)});
-    const PixelPoint& s = signs.back();
-    taken.push_back({s.x - kRadius, s.y - kRadius, s.x + kRadius, s.y + kRadius});
-    placement.take(taken.back());
-  }
-  int num_placed = 0;
-  for (const PixelPoint& sign : signs) {
-    const auto centre = placement.place(sign, kRadius, kWidth, kHeight);
-    if (!centre) continue;
-    ++num_placed;
-    const PixelBox box = box_of(*centre, kWidth, kHeight);
-    for (const PixelBox& other : taken) EXPECT_FALSE(overlap(box, other));
-    EXPECT_GE(box.x0, kPage.x0);
-    EXPECT_LE(box.x1, kPage.x1);
-    EXPECT_GE(box.y0, kPage.y0);
-    EXPECT_LE(box.y1, kPage.y1);
-    taken.push_back(box);
-  }
-  EXPECT_GT(num_placed, 60);
-  EXPECT_LT(num_placed, 300) << "400 do not fit on the page";
 }
 
 constexpr Colour kTree{47, 125, 79}, kObject{180, 83, 47}, kObjectArea{230, 197, 185},

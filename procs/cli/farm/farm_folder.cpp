@@ -2,6 +2,7 @@
 #include "cli/farm/farm_folder.hpp"
 
 #include <sys/stat.h>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -56,7 +57,8 @@ std::string last_line(const std::string& path) {
 
 std::string digest_of_files(const std::vector<std::string>& paths) {
   farm::Sha256 digest;
-  std::vector<char> buffer(1 << 20);
+  // A larger one would take longer to clear than most files to read.
+  std::array<char, 1 << 16> buffer;
   for (const std::string& path : paths) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw io::SystemError(path + " cannot be read");

@@ -11,6 +11,10 @@ namespace {
 constexpr double kStart_s = 0.3;  ///< physical: a job costs the engine so much, with its submission
 /// derived: 10 kStart_s, so that the engine takes at most a tenth of the processors.
 constexpr double kLeastLot_s = 3.0;
+/// derived: Of more lots for each of the jobs that run at a time none is needed: at the end the
+/// last one leaves the others idle for an eighth of the time at most. Holds whatever the expected
+/// times are worth; before the first run they may be many times too long.
+constexpr double kLotsPerJob = 8.0;
 
 /// Steps that must be in one lot.
 struct Chain {
@@ -20,10 +24,11 @@ struct Chain {
 
 /// Puts chains into lots of at least the time for which w/n + n kStart_s, the end of n lots of the
 /// work w on n cores, is least.
-std::vector<Lot> packed(const std::vector<Chain>& chains, const StepCosts& costs) {
+std::vector<Lot> packed(const std::vector<Chain>& chains, const StepCosts& costs, int num_jobs) {
   double work_s = 0.0;
   for (const Chain& chain : chains) work_s += chain.time_s;
-  const double lot_s = std::max(kLeastLot_s, std::sqrt(work_s * kStart_s));
+  const double share_s = num_jobs > 0 ? work_s / (kLotsPerJob * num_jobs) : 0.0;
+  const double lot_s = std::max({kLeastLot_s, std::sqrt(work_s * kStart_s), share_s});
   std::vector<Lot> lots;
   for (const Chain& chain : chains) {
     if (lots.empty() || lots.back().time_s >= lot_s) lots.emplace_back();
@@ -68,7 +73,7 @@ double expected_memory_mb(const FarmTask& task, const StepCosts& costs) {
 }
 
 Lots lots_of(const std::vector<FarmTask>& tasks, const StepCosts& costs,
-             const std::function<bool(const FarmTask&)>& is_open) {
+             const std::function<bool(const FarmTask&)>& is_open, int num_jobs) {
   std::vector<Chain> maps, blocks;
   // Blocks that begin with the same dates share these, and therefore a chain.
   std::map<std::string, std::size_t> block_of;
@@ -93,7 +98,7 @@ Lots lots_of(const std::vector<FarmTask>& tasks, const StepCosts& costs,
   blocks.erase(std::remove_if(blocks.begin(), blocks.end(),
                               [](const Chain& chain) { return chain.tasks.empty(); }),
                blocks.end());
-  return {packed(maps, costs), packed(blocks, costs)};
+  return {packed(maps, costs, num_jobs), packed(blocks, costs, num_jobs)};
 }
 
 }  // namespace orchard::farm

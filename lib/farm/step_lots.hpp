@@ -37,7 +37,8 @@ struct Lots {
 
 /// Packs steps into lots that are long enough for an engine that starts one job at a time: with one
 /// core for each lot, starting all takes as long as one of them, which is the soonest end.
+/// `num_jobs`: how many run at a time; 0: nobody knows.
 Lots lots_of(const std::vector<FarmTask>& tasks, const StepCosts& costs,
-             const std::function<bool(const FarmTask&)>& is_open);
+             const std::function<bool(const FarmTask&)>& is_open, int num_jobs = 0);
 
 }  // namespace orchard::farm

@@ -95,15 +95,19 @@ int print_open(const FarmFolder& farm, bool keep_version) {
   return bus::kExitOk;
 }
 
+/// How many jobs run at a time; 0: as many as the profile says.
+int num_jobs_of(const FarmRunOptions& options) {
+  if (options.cores > 0 || options.profile != "local") return options.cores;
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
 /// Snakemake's words but for the phase.
 std::vector<std::string> engine_words(const FarmRunOptions& options) {
   std::vector<std::string> words{
       "snakemake", "--snakefile", "Snakefile", "--profile", "profiles/" + options.profile,
       "--nolock"};
   if (options.profile == "local") {
-    const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
-                                             : std::max(1U, std::thread::hardware_concurrency());
-    words.insert(words.end(), {"--cores", std::to_string(cores), "--resources",
+    words.insert(words.end(), {"--cores", std::to_string(num_jobs_of(options)), "--resources",
                                "mem_mb=" + std::to_string(memory_mb() * 9 / 10)});
   } else if (options.cores > 0) {
     words.insert(words.end(), {"--jobs", std::to_string(options.cores)});
@@ -181,7 +185,8 @@ int run_farm_run(const FarmRunOptions& options) {
   const auto costs = farm.costs(tasks);
   const auto to_make = open_steps(farm, tasks);
   const farm::Lots lots = farm::lots_of(
-      tasks, costs, [&](const farm::FarmTask& task) { return to_make.count(task.name) > 0; });
+      tasks, costs, [&](const farm::FarmTask& task) { return to_make.count(task.name) > 0; },
+      num_jobs_of(options));
   write_list(farm, content, tasks, lots);
   remove_unfinished(farm, false);
   Progress progress(farm, to_make);

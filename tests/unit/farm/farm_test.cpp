@@ -313,6 +313,20 @@ TEST(StepLots, BlocksThatShareADateShareALot) {
   EXPECT_EQ(lots.others.size(), 1U);
 }
 
+TEST(StepLots, OfTwoJobsAtATimeAreFewWhateverTheStepsAreExpectedToTake) {
+  const std::vector<FarmTask> tasks = tasks_of(farm_of(100, 3, 2), {});
+  for (const double expected_s : {1.0, 10.0, 100.0}) {
+    StepCosts costs = second_each();
+    costs[TaskKind::kMap].time_s.at_least = expected_s;
+    const Lots lots = lots_of(
+        tasks, costs, [](const FarmTask&) { return true; }, 2);
+    for (const auto* phase : {&lots.maps, &lots.others}) {
+      EXPECT_LE(phase->size(), 16U) << expected_s;
+      EXPECT_GE(phase->size(), 8U) << "none so long that the other core has nothing to do";
+    }
+  }
+}
+
 TEST(StepLots, TheEngineTakesATenthAtMostAndALotNoLongerThanToStartAll) {
   for (const int num_blocks : {1, 10, 100, 1000}) {
     const std::vector<FarmTask> tasks = tasks_of(farm_of(num_blocks, 3, 2), {});

@@ -26,17 +26,17 @@ constexpr Place kElsewhere[] = {
     {"orchard import", "orchard-import"},        // recordings of other systems
     {"orchard log mcap", "orchard-import"},
     {"orchard compare", "orchard-maps"},  // finished maps
-    {"orchard edit", "orchard-maps"},
+    {"orchard edit", "orchard-gis"},  // files of GIS
     {"orchard evaluate localisation", "orchard-maps"},
-    {"orchard evaluate trajectory", "orchard-maps"},  // reads surveys
-    {"orchard export", "orchard-maps"},
+    {"orchard evaluate trajectory", "orchard-gis"},  // reads surveys
+    {"orchard export", "orchard-gis"},
     {"orchard farm", "orchard-maps"},
-    {"orchard import-edits", "orchard-maps"},
+    {"orchard import-edits", "orchard-gis"},
     {"orchard merge", "orchard-maps"},
-    {"orchard plan", "orchard-maps"},
+    {"orchard plan", "orchard-gis"},
     {"orchard publish", "orchard-maps"},
     {"orchard report", "orchard-maps"},
-    {"orchard tasks", "orchard-maps"},
+    {"orchard tasks", "orchard-gis"},
     {"orchard view", "orchard-maps"},
 };
 

@@ -72,7 +72,7 @@ pose::PriorMapData read_prior_survey(const pose::PoseConfig& config) {
   }
   std::string text;
   try {
-    text = output_of_companion("orchard-maps", arguments);
+    text = output_of_companion("orchard-gis", arguments);
   } catch (const FileError& error) {
     throw FileError(
         path +
@@ -90,7 +90,7 @@ pose::PriorMapData read_prior_survey(const pose::PoseConfig& config) {
     const std::optional<double> sd_m = next_number(at, end);  // then row and tree, any text
     if (!x_m || !y_m) {
       throw FileError(path +
-                      ": orchard-maps is of another release than this program; install both again");
+                      ": orchard-gis is of another release than this program; install both again");
     }
     pose::PriorLandmark landmark;
     landmark.p_map = {*x_m, *y_m};

@@ -10,7 +10,7 @@ namespace orchard::io {
 /// least min_observations observations. From a folder also the sensor coverage of its drives, and
 /// from that the detection rate of each landmark.
 ///
-/// Any other file is a survey (read_survey(), by the program orchard-maps): each point is a
+/// Any other file is a survey (read_survey(), by the program orchard-gis): each point is a
 /// landmark of unknown kind and width that any visit sees, with its stated accuracy or
 /// survey_sd_m. Degrees become metres east and north of gnss.datum, or of the middle of the survey
 /// without one. The files are only read. Throws FileError when one cannot be read, or when its

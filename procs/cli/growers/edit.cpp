@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/maps.hpp"
 
-#include <pwd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -45,12 +42,6 @@ void require_folder(const std::string& folder) {
 }
 
 }  // namespace
-
-std::string person() {
-  const passwd* user = ::getpwuid(::geteuid());
-  const std::string who = user == nullptr ? "" : user->pw_name;
-  return who.empty() || !io::is_correction_text(who) ? "unnamed" : who;
-}
 
 int run_edit(const EditOptions& options) {
   require_folder(options.map_folder);

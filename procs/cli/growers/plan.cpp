@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/growers/plan_registration.hpp"
+#include "cli/growers/report.hpp"
 
 #include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 #include "bus/process/process.hpp"
@@ -12,9 +13,13 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/gis/plan_file.hpp"
 #include "io/gis/plan_report.hpp"
 #include "io/gis/survey_file.hpp"
+#include "io/map/map_folder.hpp"
+#include "mapping/plan/plan_match.hpp"
 #include "mapping/rows/row_numbers.hpp"
+#include "text/encoded_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -23,6 +28,13 @@ using mapping::PlanDeviation;
 using mapping::PlanFinding;
 
 constexpr int kLinesMax = 60;
+
+/// A plan registered to a map.
+struct RegisteredPlan {
+  io::StoredPlan plan;  ///< in the map frame, where both are georeferenced
+  mapping::PlanMatch match;
+  bool is_georeferenced_by_plan = false;  ///< the map had no georeference and gets the plan's
+};
 
 std::size_t index_of(PlanDeviation deviation) { return static_cast<std::size_t>(deviation); }
 
@@ -89,8 +101,9 @@ std::string line_of(const RegisteredPlan& laid, const PlanFinding& f,
                      detail);
 }
 
-}  // namespace
-
+/// Matches a plan's trees with a map. If both are georeferenced, the registration starts from that,
+/// within the limits of `config`; otherwise it is unconstrained. Throws io::FileError in one
+/// sentence when the registration fails, with all matching placements when it is ambiguous.
 RegisteredPlan register_plan(const io::StoredPlan& plan, const io::StoredMap& map,
                              mapping::PlanMatchConfig config) {
   RegisteredPlan laid;
@@ -106,6 +119,8 @@ RegisteredPlan register_plan(const io::StoredPlan& plan, const io::StoredMap& ma
   return laid;
 }
 
+/// Writes the plan's numbers, names and rows into the content of a map folder, and the plan's
+/// georeference where the map has none; lists the differences from the plan in its summary.
 void apply_plan(const RegisteredPlan& laid, io::MapFolderContent& content) {
   content.plan_names = mapping::number_by_plan(laid.plan.plan, laid.match, content.landmarks);
   content.rows = mapping::numbered_rows(content.landmarks);
@@ -125,6 +140,7 @@ void apply_plan(const RegisteredPlan& laid, io::MapFolderContent& content) {
   }
 }
 
+/// Writes plan.csv, plan_rows.csv and plan.json beside a map. Throws io::FileError.
 void write_plan_files(const std::string& folder, const RegisteredPlan& laid,
                       const std::vector<mapping::Landmark>& landmarks) {
   const io::PlanReport report{laid.plan, landmarks, laid.match};
@@ -135,6 +151,7 @@ void write_plan_files(const std::string& folder, const RegisteredPlan& laid,
   files.commit();
 }
 
+/// Prints the match for the user: a line for each row, then the deviations.
 void print_match(const RegisteredPlan& laid, const std::vector<mapping::Landmark>& landmarks) {
   const mapping::PlanMatch& match = laid.match;
   const geometry::Pose2& T = match.T_map_plan();
@@ -176,8 +193,6 @@ void print_match(const RegisteredPlan& laid, const std::vector<mapping::Landmark
   if (num_lines >= kLinesMax) std::printf("... more in plan.csv (--out DIR)\n");
 }
 
-namespace {
-
 void print_plan(const io::StoredPlan& plan) {
   std::printf("%s: %s, %s: %zu rows, %zu trees, rows %.2f m apart%s\n", plan.name.c_str(),
               plan.format.c_str(), plan.crs.c_str(), plan.plan.rows.size(), plan.plan.num_trees(),
@@ -206,10 +221,6 @@ int look_at(const io::StoredPlan& plan, const PlanOptions& options) {
   return bus::kExitOk;
 }
 
-}  // namespace
-
-namespace {
-
 /// Prints the points as they are, without looking for rows.
 int print_points(const PlanOptions& options) {
   io::StoredSurvey survey = io::read_survey(options.plan_path, options.file);
@@ -224,6 +235,19 @@ int print_points(const PlanOptions& options) {
   }
   std::fputs(io::survey_csv(survey).c_str(), stdout);
   return bus::kExitOk;
+}
+
+io::PlanCounts counts_of_plan(const ReportOptions& options, const io::StoredMap& map) {
+  const io::StoredPlan plan = io::read_plan(options.plan_path, options.plan_file);
+  const RegisteredPlan laid = register_plan(plan, map, options.plan_match);
+  io::PlanCounts counts;
+  counts.name = printable_text(std::filesystem::path(options.plan_path).filename().string());
+  for (std::size_t i = 0; i < laid.match.rows.size(); ++i) {
+    const mapping::PlanRowFinding& row = laid.match.rows[i];
+    counts.rows.push_back(
+        {printable_text(laid.plan.plan.rows.at(i).name), row.counts, row.is_shifted});
+  }
+  return counts;
 }
 
 }  // namespace
@@ -259,6 +283,11 @@ int run_plan(const PlanOptions& options) {
         options.out_path.c_str());
   }
   return bus::kExitOk;
+}
+
+int run_report(const ReportOptions& options) {
+  return write_report(
+      options, [&options](const io::StoredMap& map) { return counts_of_plan(options, map); });
 }
 
 }  // namespace orchard::cli

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bus/process/process.hpp"
-#include "cli/growers/plan_registration.hpp"
+#include "cli/growers/report.hpp"
 #include "cli/maps/stored_maps.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
@@ -28,19 +28,6 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
                            options.as_mapped, options.alignment);
   return {map_name(options.previous_path), facts_of(options.previous_path).day,
           std::move(compared.before.map.landmarks), std::move(compared.comparison)};
-}
-
-io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
-  const io::StoredPlan plan = io::read_plan(options.plan_path, options.plan_file);
-  const RegisteredPlan laid = register_plan(plan, map, options.plan_match);
-  io::PlanCounts counts;
-  counts.name = printable_text(fs::path(options.plan_path).filename().string());
-  for (std::size_t i = 0; i < laid.match.rows.size(); ++i) {
-    const mapping::PlanRowFinding& row = laid.match.rows[i];
-    counts.rows.push_back(
-        {printable_text(laid.plan.plan.rows.at(i).name), row.counts, row.is_shifted});
-  }
-  return counts;
 }
 
 /// The values of report.csv as JSON; `row` is its number or name, "all" for the totals.
@@ -72,7 +59,7 @@ nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& tabl
 
 }  // namespace
 
-int run_report(const ReportOptions& options) {
+int write_report(const ReportOptions& options, const PlanLayer& planned) {
   const io::ReportTexts* texts = io::find_report_texts(options.language);
   if (texts == nullptr) {
     throw io::FileError("--language " + options.language + ": unknown language; choose en or es");
@@ -84,7 +71,7 @@ int run_report(const ReportOptions& options) {
   content.name = options.name.empty() ? map_name(options.map_path) : printable_text(options.name);
   content.facts = facts_of(options.map_path);
   if (!options.previous_path.empty()) content.earlier = compared_with(options, input);
-  if (!options.plan_path.empty()) content.plan = planned(options, content.map);
+  if (!options.plan_path.empty()) content.plan = planned(content.map);
 
   const fs::path folder = options.out_folder.empty() ? map_folder_of(options.map_path) / "report"
                                                      : fs::path(options.out_folder);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/stored_maps.hpp"
 
+#include <pwd.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +15,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrected_map.hpp"
+#include "io/map/corrections_file.hpp"
 #include "mapping/corrections/apply_corrections.hpp"
 #include "mapping/rows/row_numbers.hpp"
 #include "text/encoded_text.hpp"
@@ -253,6 +256,12 @@ ComparedMaps compare_with_earlier(const char* command, const std::string& previo
   compared.comparison = mapping::compare_maps(compared.before.map.landmarks, now.map.landmarks,
                                               view_before, view_now, compared.alignment, {});
   return compared;
+}
+
+std::string person() {
+  const passwd* user = ::getpwuid(::geteuid());
+  const std::string who = user == nullptr ? "" : user->pw_name;
+  return who.empty() || !io::is_correction_text(who) ? "unnamed" : who;
 }
 
 }  // namespace orchard::cli

@@ -26,7 +26,7 @@ constexpr Place kElsewhere[] = {
     {"orchard import", "orchard-import"},        // recordings of other systems
     {"orchard log mcap", "orchard-import"},
     {"orchard compare", "orchard-maps"},  // finished maps
-    {"orchard edit", "orchard-gis"},  // files of GIS
+    {"orchard edit", "orchard-gis"},      // files of GIS
     {"orchard evaluate localisation", "orchard-maps"},
     {"orchard evaluate trajectory", "orchard-gis"},  // reads surveys
     {"orchard export", "orchard-gis"},

@@ -55,6 +55,18 @@ std::vector<LandmarkPair> nearest_pairs_of(std::vector<Offer> offers, std::size_
 
 }  // namespace
 
+double told_rms_m(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                  const std::vector<LandmarkPair>& pairs) {
+  double sum_m2 = 0.0;
+  for (const LandmarkPair& pair : pairs) {
+    for (const Landmark* l :
+         {&a[static_cast<std::size_t>(pair.a)], &b[static_cast<std::size_t>(pair.b)]}) {
+      sum_m2 += l->se_x_m * l->se_x_m + l->se_y_m * l->se_y_m;
+    }
+  }
+  return std::sqrt(sum_m2 / static_cast<double>(std::max<std::size_t>(1, pairs.size())));
+}
+
 std::vector<LandmarkPair> pair_landmarks(const geometry::IndexedPoints& a,
                                          const geometry::IndexedPoints& b,
                                          const geometry::Pose2& T_a_b, double gate_m) {

@@ -49,13 +49,14 @@ void print_change(const io::ComparisonContent& content, const MapChange& c) {
 void print_table(const io::ComparisonContent& content) {
   const mapping::MapAlignment& alignment = content.alignment;
   std::printf(
-      "aligned on %zu pairs of trunks with a residual of %.0f mm (RMS); the origin of the later "
-      "map is at\n"
+      "aligned on %zu pairs of trunks with a residual of %.0f mm (RMS; %.0f mm by the errors that "
+      "the maps tell); the origin of the later map is at\n"
       "  x %+.3f m, y %+.3f m, rotated by %+.3f degrees (standard deviations %.0f mm, %.0f mm, "
       "%.3f degrees)\n",
-      alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.x_m, alignment.T_a_b.y_m,
-      alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi, 1e3 * std::sqrt(alignment.covariance(0, 0)),
-      1e3 * std::sqrt(alignment.covariance(1, 1)),
+      alignment.pairs.size(), 1e3 * alignment.rms_m,
+      1e3 * mapping::told_rms_m(content.a, content.b, alignment.pairs), alignment.T_a_b.x_m,
+      alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi,
+      1e3 * std::sqrt(alignment.covariance(0, 0)), 1e3 * std::sqrt(alignment.covariance(1, 1)),
       std::sqrt(alignment.covariance(2, 2)) * 180.0 / geometry::kPi);
   for (const Change change : {Change::kMissing, Change::kNew, Change::kMoved, Change::kGrown,
                               Change::kThinner, Change::kUnchanged, Change::kNotSeen}) {

@@ -214,5 +214,13 @@ TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
             AlignmentStatus::kNone);
 }
 
+TEST(LandmarkPairs, TheirDistanceIsToldByTheErrorsOfBothMaps) {
+  Landmark a, b;
+  a.se_x_m = 0.03, a.se_y_m = 0.0, b.se_x_m = 0.0, b.se_y_m = 0.04;
+  const std::vector<LandmarkPair> pairs(2);
+  EXPECT_NEAR(told_rms_m({a}, {b}, pairs), 0.05, 1e-12);
+  EXPECT_EQ(told_rms_m({a}, {b}, {}), 0.0);
+}
+
 }  // namespace
 }  // namespace orchard::mapping

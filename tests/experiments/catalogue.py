@@ -453,7 +453,8 @@ EXPERIMENTS = {
         Row("season killed cost",
             "24 blocks, 3 dates, 2 robots: steps made; set aside or named; killed five times; by Slurm with a "
             "job cancelled and the node drained; a map costs, fitted over 143 maps", "all; 4 of 4; the same bytes",
-            "-"),
+            "-", "Not named: a drive of another block, which is planted alike at the same coordinates and fits within the half "
+            "metre that fixes warrant, by 113 mm where the maps' errors tell 5, which `orchard merge` says."),
         Row("memory",
             "2 blocks, 2 dates, 2 robots (`farm.sh 2 2 2`): jobs that Slurm killed for their memory; steps that `farm status` "
             "named for it; run again with enough, a job cancelled and the node drained", "all; all; the same bytes", "-"),

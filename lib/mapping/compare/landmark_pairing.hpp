@@ -21,8 +21,8 @@ struct LandmarkPair {
   Eigen::Vector2d residual_m{0.0, 0.0};  ///< T_a_b p_b - p_a
 };
 
-/// The RMS distance of the pairs that the standard errors of both maps tell [m]; by indices into these
-/// lists. A larger one is an error that the maps do not tell, or of other objects.
+/// The RMS distance of the pairs that the standard errors of both maps tell [m]; by indices into
+/// these lists. A larger one is an error that the maps do not tell, or of other objects.
 double told_rms_m(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                   const std::vector<LandmarkPair>& pairs);
 

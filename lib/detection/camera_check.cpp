@@ -121,7 +121,7 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
   const vision::Image& image = picture.image();
   const vision::PixelRect whole = picture_of(rig);
   if (image.width_px != whole.width_px || image.height_px != whole.height_px) return std::nullopt;
-  const auto to_exposure = to_picture(findings, image, rig, motion);
+  const ScanToPicture to_exposure = to_picture(findings, image, rig, motion);
   CameraSight sight;
   for (const Candidate& candidate : findings.candidates) {
     const auto seen = sides_of(candidate.segment, rig, to_exposure);
@@ -129,8 +129,8 @@ std::optional<CameraSight> camera_sight(const LaserFindings& findings,
     const auto view = view_of(candidate.segment, rig, to_exposure);
     if (view) picture.expect(reading_area(*view, rig));
     double rate_px_per_s = 0.0;
-    if (to_exposure) {
-      ScanToPicture later = *to_exposure;
+    if (to_exposure.motion) {
+      ScanToPicture later = to_exposure;
       later.first_beam_dt_s += kRateStep_s;
       const auto moved = sides_of(candidate.segment, rig, later);
       if (!moved) continue;

@@ -222,6 +222,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   findings.intensities_missing =
       config.segmentation.reflector != laser::ReflectorUse::kIgnored && !scan.has_intensities();
   findings.beam_period_s = 1e-6 * scan.beam_period_us;
+  findings.plane_of_level = scan.plane_of_level;
   std::vector<Detection>& trunks = findings.detections.trunks;
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser,
                                        DetectorConfig::kRocLaserMin);
@@ -257,11 +258,11 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   return findings;
 }
 
-std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
-                                        const Rig& rig, const std::optional<Motion>& motion) {
-  if (!motion) return std::nullopt;
+ScanToPicture to_picture(const LaserFindings& findings, const vision::Image& image, const Rig& rig,
+                         const std::optional<Motion>& motion) {
   const double stamped_dt_s = 1e-6 * static_cast<double>(image.utime - findings.detections.utime);
-  return ScanToPicture{*motion, stamped_dt_s - rig.camera_delay_s, findings.beam_period_s};
+  return {motion, stamped_dt_s - rig.camera_delay_s, findings.beam_period_s,
+          findings.plane_of_level};
 }
 
 namespace {
@@ -269,8 +270,8 @@ namespace {
 DetectResult judge_candidates(LaserFindings findings, vision::PictureReader* picture,
                               const Rig& rig, const std::optional<Motion>& motion) {
   DetectResult result;
-  const auto to_exposure = picture ? to_picture(findings, picture->image(), rig, motion)
-                                   : std::optional<ScanToPicture>();
+  const ScanToPicture to_exposure =
+      picture ? to_picture(findings, picture->image(), rig, motion) : ScanToPicture();
   result.detections = std::move(findings.detections);
   result.intensities_missing = findings.intensities_missing;
   if (!rig.has_camera || !picture) return result;

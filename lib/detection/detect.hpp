@@ -29,7 +29,8 @@ struct LaserFindings {
   /// Reflectors are used (segmentation.reflector), but the scan has no intensities; all objects are
   /// UNSEEN.
   bool intensities_missing = false;
-  double beam_period_s = 0.0;  ///< of the scan; 0 = unknown
+  double beam_period_s = 0.0;                                    ///< of the scan; 0 = unknown
+  Eigen::Matrix2d plane_of_level = Eigen::Matrix2d::Identity();  ///< of the scan
 };
 
 /// Result of the detector for a scan and its image.
@@ -44,10 +45,9 @@ struct DetectResult {
 /// camera.
 LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig);
 
-/// Motion from each beam to the exposure of an image, which is camera.delay_s before its utime.
-/// None without a motion.
-std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
-                                        const Rig& rig, const std::optional<Motion>& motion);
+/// From a scan to the exposure of an image, which is camera.delay_s before its utime.
+ScanToPicture to_picture(const LaserFindings& findings, const vision::Image& image, const Rig& rig,
+                         const std::optional<Motion>& motion);
 
 /// The camera's half of the detector: project, colour, edges, fuse. `picture` may be null; `motion`
 /// as in detect().

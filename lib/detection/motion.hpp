@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 namespace orchard::detection {
 
@@ -16,7 +18,8 @@ struct Motion {
 /// derived: ten motions at 50 Hz; max time between a motion and the instant that it is used for.
 inline constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
-/// Motion of base from each beam of a scan to the exposure of its image.
+/// From the points of a scan to the moment of its image: the motion of base from each beam to the
+/// exposure, and Scan::plane_of_level.
 ///
 /// Each beam is compensated from its own time: at 0.5 rad/s the last beam of a 75 ms sweep sees a
 /// trunk 37 mrad (8 px at f = 222 px) away from where the first beam would. Both sides of an object
@@ -24,9 +27,10 @@ inline constexpr std::int64_t kMotionAgeMax_us = 200'000;
 /// width is not compensated: the sweep turns at 60 rad/s, so a robot turning at 0.5 rad/s makes a
 /// trunk 0.8 % wider or narrower, 1 mm of 125 mm.
 struct ScanToPicture {
-  Motion motion;
+  std::optional<Motion> motion;  ///< none: as if it stood
   double first_beam_dt_s = 0.0;  ///< from the scan's first beam to the exposure
   double beam_period_s = 0.0;
+  Eigen::Matrix2d plane_of_level = Eigen::Matrix2d::Identity();
 
   double dt_s(double beam) const { return first_beam_dt_s - beam * beam_period_s; }
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-
 #include "detection/probability.hpp"
 #include "geometry/camera_model.hpp"
 #include "laser/laser_config.hpp"
@@ -98,8 +96,6 @@ struct Rig {
   bool has_camera = true;
   geometry::CameraModel camera;
   geometry::LaserToCamera T_camera_laser;
-  /// Takes points of a levelled scan back to the plane of the scan, which the camera is fixed to.
-  Eigen::Matrix2d plane_of_level = Eigen::Matrix2d::Identity();
   double camera_delay_s = 0.0;  ///< exposure = an image's utime - camera_delay_s
   DetectorConfig detector;
 };

@@ -38,7 +38,7 @@ PlanePoint moved(const PlanePoint& p_laser, const laser::LaserConfig& mount, con
 /// Projects points of the laser frame, at their beams' times, into the image.
 struct Projection {
   const Rig& rig;
-  const std::optional<ScanToPicture>& motion;
+  const ScanToPicture& to_picture;
 
   std::optional<ProjectedPoint> operator()(double range_m, double bearing_rad,
                                            std::size_t beam) const {
@@ -78,11 +78,12 @@ struct Projection {
 
   Eigen::Vector3d in_camera(double range_m, double bearing_rad, std::size_t beam) const {
     PlanePoint p_laser{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
-    if (motion) {
-      const double dt_s = motion->dt_s(static_cast<double>(beam));
-      p_laser = moved(p_laser, rig.laser, motion->motion, dt_s);
+    if (to_picture.motion) {
+      const double dt_s = to_picture.dt_s(static_cast<double>(beam));
+      p_laser = moved(p_laser, rig.laser, *to_picture.motion, dt_s);
     }
-    const Eigen::Vector2d p_plane = rig.plane_of_level * Eigen::Vector2d(p_laser.x_m, p_laser.y_m);
+    const Eigen::Vector2d p_plane =
+        to_picture.plane_of_level * Eigen::Vector2d(p_laser.x_m, p_laser.y_m);
     return rig.T_camera_laser(Eigen::Vector3d(p_plane.x(), p_plane.y(), 0.0));
   }
 };
@@ -100,14 +101,9 @@ vision::PixelRect picture_of(const Rig& rig) {
   return {0, 0, rig.camera.intrinsics().width_px, rig.camera.intrinsics().height_px};
 }
 
-Eigen::Matrix2d plane_of_level(const Eigen::Matrix3d& R_level_base, double mount_yaw_rad) {
-  const Eigen::Matrix2d mount = Eigen::Rotation2Dd(mount_yaw_rad).toRotationMatrix();
-  return mount.transpose() * R_level_base.topLeftCorner<2, 2>().inverse() * mount;
-}
-
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
-                                 const std::optional<ScanToPicture>& motion) {
-  const Projection project{rig, motion};
+                                 const ScanToPicture& to_picture) {
+  const Projection project{rig, to_picture};
   const auto middle = project(segment.range_m, segment.bearing_rad, segment.middle_beam);
   auto left = project.side(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
   auto right = project.side(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
@@ -124,8 +120,8 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
 }
 
 std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,
-                                   const std::optional<ScanToPicture>& motion) {
-  const Projection project{rig, motion};
+                                   const ScanToPicture& to_picture) {
+  const Projection project{rig, to_picture};
   const auto left =
       project.without_borders(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
   const auto right =
@@ -136,9 +132,8 @@ std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig
 }
 
 std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,
-                                            const Rig& rig,
-                                            const std::optional<ScanToPicture>& motion) {
-  const auto point = Projection{rig, motion}(range_m, bearing_rad, beam);
+                                            const Rig& rig, const ScanToPicture& to_picture) {
+  const auto point = Projection{rig, to_picture}(range_m, bearing_rad, beam);
   if (!point) return std::nullopt;
   return point->pixel;
 }

@@ -25,16 +25,12 @@ struct TrunkView {
 /// The whole image of the rig's camera.
 vision::PixelRect picture_of(const Rig& rig);
 
-/// Rig::plane_of_level (laser frame to laser frame) of a robot tilted by `R_level_base`, whose
-/// scanner lies in base's plane, turned by `mount_yaw_rad`.
-Eigen::Matrix2d plane_of_level(const Eigen::Matrix3d& R_level_base, double mount_yaw_rad);
-
 /// Projects a segment's P_start, P_end and middle into the image and places windows around them.
-/// With a motion, each point is first moved from its own beam's time to the exposure. None if the
+/// Each point is first moved from its own beam's time to the exposure. None if the
 /// segment is not fully in view or too small in the image.
 /// Source: Shalal et al. 2013, sections 3.3 and 4.2.
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
-                                 const std::optional<ScanToPicture>& motion = std::nullopt);
+                                 const ScanToPicture& to_picture = {});
 
 /// Where an object's two sides and the scan's plane are expected, also outside the image.
 struct SidePixels {
@@ -46,7 +42,7 @@ struct SidePixels {
 /// Projects the sides of a segment as view_of() does, without the image's borders. None for what is
 /// more than kFieldMax_rad from the camera's axis.
 std::optional<SidePixels> sides_of(const laser::Segment& segment, const Rig& rig,
-                                   const std::optional<ScanToPicture>& motion = std::nullopt);
+                                   const ScanToPicture& to_picture = {});
 
 /// derived: wider lenses are no pinhole cameras.
 inline constexpr double kFieldMax_rad = 1.2;
@@ -54,8 +50,7 @@ inline constexpr double kFieldMax_rad = 1.2;
 /// Projects a point of the scan to its column and row in the image, with motion as in view_of().
 /// None outside the image.
 std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,
-                                            const Rig& rig,
-                                            const std::optional<ScanToPicture>& motion);
+                                            const Rig& rig, const ScanToPicture& to_picture);
 
 /// The window judged by `colour_model: appearance`: between the two expected edges, over the colour
 /// window's rows and at least as wide as that window. Inside the image.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -24,11 +25,13 @@ struct Scan {
   std::vector<float> intensities;  ///< empty, or one per beam
 
   /// Of the scan of a tilted robot that is projected to the horizontal plane (pose/attitude), not
-  /// in scan_t: the bearings of the projected beams, else empty, and where the tilt puts the laser
-  /// beyond its mount, in base.
+  /// in scan_t: the bearings of the projected beams, else empty, where the tilt puts the laser
+  /// beyond its mount, in base, and what takes projected points back to the plane of the scan,
+  /// which cameras are fixed to (laser frame).
   std::vector<float> bearings_rad;
   double sway_x_m = 0.0;
   double sway_y_m = 0.0;
+  Eigen::Matrix2d plane_of_level = Eigen::Matrix2d::Identity();
 
   /// Bearing of a beam in the laser frame [rad]; `beam` may lie between two beams.
   double bearing_rad(double beam) const {

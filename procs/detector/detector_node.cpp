@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "bus/messages/channel.hpp"
-#include "detection/trunk_view.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {
@@ -246,7 +245,6 @@ void DetectorNode::use(const bus::Message& input, const bus::Outbox& send) {
       return send_result(detect_alone(*scan, rig_), detection::turn_us(*scan), send);
     }
     findings_.emplace_back();
-    tilts_.push_back(levelled_.tilt_at(scan->utime));
     if (!precomputed_) findings_.back() = detection::find_by_laser(*scan, rig_);
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
@@ -318,19 +316,9 @@ detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
   return detection::detect(scan, nullptr, rig);
 }
 
-/// The picture shows the trunks of a levelled scan from a camera that rolls and pitches.
-void DetectorNode::look_tilted(const std::optional<pose::Attitude>& tilt) {
-  rig_.plane_of_level = Eigen::Matrix2d::Identity();
-  if (!tilt) return;
-  rig_.plane_of_level =
-      detection::plane_of_level(pose::R_level_base(*tilt), rig_.laser.mount_yaw_rad);
-}
-
 JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
   std::optional<detection::LaserFindings> findings = std::move(findings_.front());
   findings_.pop_front();
-  if (levelled_.is_active()) look_tilted(tilts_.front());
-  tilts_.pop_front();
   const bool wants_sight = pair.image && look_times_.take(pair.scan.utime);
   if (precomputed_ && num_precomputed_used_ < precomputed_->pairs.size()) {
     PrecomputedDetections::Pair& precomputed = precomputed_->pairs[num_precomputed_used_++];

@@ -161,7 +161,6 @@ class DetectorNode : public bus::Node {
   bool compensates_motion() const;
   void use(const bus::Message& input, const bus::Outbox& send);
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
-  void look_tilted(const std::optional<pose::Attitude>& tilt);
   JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
@@ -174,7 +173,6 @@ class DetectorNode : public bus::Node {
   detection::ScanImagePairer pairer_;
   /// One per scan in pairer_, in the same order; none when computed ahead of its turn.
   std::deque<std::optional<detection::LaserFindings>> findings_;
-  std::deque<std::optional<pose::Attitude>> tilts_;  ///< of the same scans, where they are levelled
   std::optional<DetectionPrecomputer> precomputer_;
   std::unique_ptr<PrecomputedDetections> precomputed_;  ///< for the input being handled
   std::size_t num_precomputed_used_ = 0;                ///< pairs of precomputed_ used so far

@@ -225,8 +225,7 @@ std::vector<DelayObservation> delay_observations(const detection::LaserFindings&
                                                  std::int32_t picture) {
   std::vector<DelayObservation> observations;
   const auto to_exposure = detection::to_picture(findings, image, rig, motion);
-  if (!to_exposure) return observations;
-  const auto views = timed_views(findings, rig, *to_exposure);
+  const auto views = timed_views(findings, rig, to_exposure);
   vision::PixelRect reading;
   for (const TimedView& timed : views) {
     reading = vision::bounding(reading, offsets_area(timed.view, reach_px, rig));

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/attitude/levelled_scan.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
-#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::pose {
@@ -64,6 +65,8 @@ void ScanLeveller::level(laser::Scan& scan, const Attitude& first, const Attitud
   turned(0, level_x_);
   turned(1, level_y_);
   turned(2, rise_);
+  const Eigen::Matrix2d mount_yaw = geometry::rotation(mount_.mount_yaw_rad);
+  scan.plane_of_level = mount_yaw.transpose() * R_first.topLeftCorner<2, 2>().inverse() * mount_yaw;
   const Eigen::Vector2f gradient = ground.gradient().cast<float>();
   rise_ -= gradient.x() * level_x_ + gradient.y() * level_y_;
   scan.bearings_rad.resize(scan.ranges_m.size());

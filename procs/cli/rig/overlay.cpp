@@ -96,13 +96,13 @@ void require_channel(const OverlayOptions& options, const bus::ReplayIndex& inde
 }
 
 std::vector<io::OverlayPoint> points_of(const laser::Scan& scan, const detection::Rig& rig,
-                                        const std::optional<detection::ScanToPicture>& motion) {
+                                        const detection::ScanToPicture& to_exposure) {
   std::vector<io::OverlayPoint> points;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     if (!scan.valid(beam)) continue;
     const double range_m = scan.ranges_m[beam];
     const auto pixel = detection::project_beam(range_m, scan.bearing_rad(static_cast<double>(beam)),
-                                               beam, rig, motion);
+                                               beam, rig, to_exposure);
     if (pixel) points.push_back({pixel->x(), pixel->y(), range_m});
   }
   return points;
@@ -132,15 +132,15 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
                         " cannot be decoded; give another --at");
   }
   const auto findings = detection::find_by_laser(pair.scan, rig);
-  const auto motion = detection::to_picture(findings, image, rig, pair.motion);
+  const auto to_exposure = detection::to_picture(findings, image, rig, pair.motion);
   vision::PictureReader reader(image);
   const auto judged = detection::judge_by_camera(findings, &reader, rig, pair.motion);
   const auto edges = vision::edge_map(*picture, config.detector.edges);
   io::OverlayContent content;
   int num_outside = 0;
-  content.points = points_of(pair.scan, rig, motion);
+  content.points = points_of(pair.scan, rig, to_exposure);
   for (const detection::Candidate& candidate : findings.candidates) {
-    const auto view = detection::view_of(candidate.segment, rig, motion);
+    const auto view = detection::view_of(candidate.segment, rig, to_exposure);
     if (!view) {
       ++num_outside;
       continue;
@@ -154,7 +154,7 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
   const std::string exposed = fmt::format(
       "{:+.3f}", 1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
   content.title = scan_words(pair.scan, first_utime) + ", picture " + exposed + " s" +
-                  (motion ? ", moved by odometry" : "") + "; points red near, blue far";
+                  (to_exposure.motion ? ", moved by odometry" : "") + "; points red near, blue far";
   if (num_outside > 0) content.title += "; " + std::to_string(num_outside) + " more outside";
   content.picture = std::move(*picture);
   return content;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <deque>
@@ -205,6 +207,65 @@ TEST(DetectorNode, LevelsScansWhateverArrivesFirst) {
   ASSERT_EQ(level.sent.size(), 6u);
   EXPECT_NE(bytes_of(level.sent), reference);
   EXPECT_NE(level.node.warning().find("laser.height_m"), std::string::npos);
+}
+
+/// R_level_base of a robot that pitches and rolls.
+Eigen::Matrix3d tilted_by(double pitch_rad, double roll_rad) {
+  return (Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+/// What a tilted scanner measures of upright tubes, whose places are in a level frame about it.
+laser::Scan tilted_scan(const std::vector<test::Tube>& tubes, const Eigen::Matrix3d& R) {
+  laser::Scan scan = test::scan_of({});
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double bearing_rad = scan.bearing_rad(static_cast<double>(i));
+    const Eigen::Vector3d ray =
+        R * Eigen::Vector3d(std::cos(bearing_rad), std::sin(bearing_rad), 0);
+    double range_m = 0.0;
+    for (const test::Tube& tube : tubes) {
+      range_m = std::max(range_m, test::hit_m(tube, std::atan2(ray.y(), ray.x())));
+    }
+    scan.ranges_m[i] = static_cast<float>(range_m / ray.head<2>().norm());
+  }
+  return scan;
+}
+
+// Upright trunks of 0.09 m lean in the picture of a tilted robot, and stand beside where a level
+// one would see them: both their edges are found all the same, and their widths by them.
+TEST(DetectorNode, WindowsOfPicturesFollowRollAndPitch) {
+  io::Config config;
+  config.laser.height_m = 1.0;
+  auto& lens = config.camera.intrinsics;
+  constexpr int kSharp = 4;
+  lens.width_px *= kSharp, lens.height_px *= kSharp;
+  for (const std::size_t i : {0u, 1u}) lens.fc_px[i] *= kSharp, lens.cc_px[i] *= kSharp;
+  const double pitch_rad = -0.12, roll_rad = 0.245;
+  const Eigen::Matrix3d R = tilted_by(pitch_rad, roll_rad);
+  for (const double y_m : {-0.6, -0.55, -0.5}) {
+    const std::vector<test::Tube> tubes{test::brown_tube(1.5, y_m)};
+    Bench bench(config);
+    for (int i = 0; i < 30; ++i) {
+      pose::Imu imu;
+      imu.utime = 900'000 + 10'000 * i;
+      imu.seq = i;
+      imu.has_orientation = true;
+      imu.pitch_rad = pitch_rad;
+      imu.roll_rad = roll_rad;
+      bench.handle(imu);
+    }
+    bench.handle(tilted_scan(tubes, R));
+    bench.handle(test::picture_of_tubes(tubes, {config.laser, config.camera, config.detector},
+                                        1'000'000, R));
+    bench.flush();
+    ASSERT_EQ(bench.sent.size(), 1u);
+    ASSERT_EQ(bench.sent[0].trunks.size(), 1u);
+    const detection::Detection& trunk = bench.sent[0].trunks[0];
+    EXPECT_EQ(trunk.label, Label::kTree);
+    EXPECT_GT(trunk.roc_edges, 0.9f) << y_m;
+    EXPECT_NEAR(trunk.width_m, 0.09, 0.003) << y_m;
+  }
 }
 
 TEST(DetectorNode, CountsPicturesOfNoUse) {

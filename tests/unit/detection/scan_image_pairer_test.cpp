@@ -256,7 +256,7 @@ TEST(Motion, EachSideOfAnObjectMovesFromItsOwnBeam) {
   const auto segment = laser::segment(scan, rig.detector.segmentation, rig.detector.width).at(0);
   const double yaw_rate_radps = 0.5;
   const double first_dt_s = 0.75;
-  const ScanToPicture motion{{0, 0.0, yaw_rate_radps}, first_dt_s, 2e-3};
+  const ScanToPicture motion{Motion{0, 0.0, yaw_rate_radps}, first_dt_s, 2e-3};
   const auto moved = view_of(segment, rig, motion);
   ASSERT_TRUE(moved.has_value());
   const auto column = [&](double bearing_rad, double beam) {
@@ -279,11 +279,11 @@ TEST(Motion, ThePictureCountsAtItsExposure) {
   findings.beam_period_s = 1e-4;
   vision::Image image;
   image.utime = 1'080'000;
-  EXPECT_FALSE(to_picture(findings, image, rig, std::nullopt).has_value());
+  EXPECT_FALSE(to_picture(findings, image, rig, std::nullopt).motion.has_value());
   const auto motion = to_picture(findings, image, rig, Motion{0, 1.0, 0.0});
-  ASSERT_TRUE(motion.has_value());
-  EXPECT_NEAR(motion->dt_s(0.0), 0.03, 1e-12);
-  EXPECT_NEAR(motion->dt_s(500.0), -0.02, 1e-12);
+  ASSERT_TRUE(motion.motion.has_value());
+  EXPECT_NEAR(motion.dt_s(0.0), 0.03, 1e-12);
+  EXPECT_NEAR(motion.dt_s(500.0), -0.02, 1e-12);
 }
 
 }  // namespace

@@ -122,6 +122,23 @@ TEST(ScanLeveller, LeavesTheScanOfALevelRobotAsItIs) {
   EXPECT_NEAR(scan.bearing_rad(400.25), before.bearing_rad(400.25), 2e-7);
 }
 
+// A camera is fixed to the plane of the scan, not to the horizon.
+TEST(ScanLeveller, PointsGoBackToThePlaneOfTheScan) {
+  const Tilted robot{0.15, -0.2};
+  laser::Scan scan = empty_scan();
+  scan.ranges_m.assign(scan.ranges_m.size(), 3.0f);
+  ScanLeveller leveller(mount(), 0.1, 0.02);
+  leveller.level(scan, robot.attitude(), robot.attitude(),
+                 driven(gradient_under(robot.attitude())));
+  for (std::size_t i = 0; i < scan.ranges_m.size(); i += 10) {
+    const double beam = static_cast<double>(i), bearing_rad = scan.bearing_rad(beam);
+    const Vector2d back = scan.plane_of_level * scan.ranges_m[i] *
+                          Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
+    const double sent_rad = scan.bearing_min_rad + beam * scan.bearing_step_rad;
+    EXPECT_LT((back - 3.0 * Vector2d(std::cos(sent_rad), std::sin(sent_rad))).norm(), 1e-5);
+  }
+}
+
 // Half a metre above the ground and nose down by 5 degrees: the ground is met at 5.7 m ahead, a
 // pole at 2 m is not the ground, and one at 5.7 m cannot be told from it.
 TEST(ScanLeveller, LeavesOutTheGroundAndKeepsTheTreeBeforeIt) {

@@ -40,10 +40,18 @@ constexpr double kWalkOfDensity_perm2 = 2.0 * geometry::kPi * geometry::kPi * 0.
 constexpr double kFromMiddle_m = pose::kBody_m / 3.0;
 constexpr double kWithinMean_m = pose::kBody_m * 7.0 / 15.0;
 
+// physical: a scanner across trunks is at most a metre above the ground, where the crowns begin;
+// the root of the mean square of all heights up to that. Where no tilt is known scans are taken as
+// level, and on a slope g a scanner h above the ground puts its trees h g uphill, by h g^2 too
+// high.
+constexpr double kScannerHeight_m = 0.58;
+
 /// A height of the ground near a trunk.
 struct Height {
   Vector2d way_m = Vector2d::Zero();  ///< from the trunk
   double z_m = 0.0, variance_m2 = 0.0;
+  double own_variance_m2 = 0.0;  ///< which the others do not share
+  bool has_tilt = false;
   double tilt_sd_m = 0.0;  ///< by which an error of the tilt lifts it, or less than 0 lowers it
 };
 
@@ -60,13 +68,13 @@ std::vector<Height> heights_near(const pose::GroundProfile& ground,
     const GroundPoint& point = ground[static_cast<std::size_t>(i)];
     const Vector2d way_m = Vector2d(point.x_m, point.y_m) - p;
     if (!point.gradient) {
-      all.push_back({way_m, point.z_m, point.variance_m2, 0.0});
+      all.push_back({way_m, point.z_m, point.variance_m2, point.own_variance_m2});
       continue;
     }
     for (const double left_m : {-0.5 * pose::kBody_m, 0.5 * pose::kBody_m}) {
       const Vector2d off_m = left_m * Vector2d(-std::sin(point.yaw_rad), std::cos(point.yaw_rad));
       all.push_back({way_m + off_m, point.z_m + point.gradient->dot(off_m), point.variance_m2,
-                     left_m * std::sqrt(point.slope_variance)});
+                     point.own_variance_m2, true, left_m * std::sqrt(point.slope_variance)});
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const Height& a, const Height& b) {
@@ -101,6 +109,7 @@ Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
       K(i, j) = 0.5 * walk_m2pm * (from_trunk_m(a) + from_trunk_m(b) - apart_m) +
                 std::min(a.variance_m2, b.variance_m2) + a.tilt_sd_m * b.tilt_sd_m;
     }
+    K(i, i) += a.own_variance_m2;
   }
   const Eigen::LLT<MatrixXd> of_heights(K);
   const MatrixXd weighted = of_heights.solve(X);
@@ -112,7 +121,13 @@ Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
   const auto log_of = [](const auto& llt) {
     return 2.0 * llt.matrixLLT().diagonal().array().log().sum();
   };
-  return {heights.front().z_m + plane.x(), of_plane.solve(Vector3d::UnitX()).x(),
+  double variance_m2 = of_plane.solve(Vector3d::UnitX()).x();
+  if (!heights.front().has_tilt) {
+    const Matrix3d of_slope = of_plane.solve(Matrix3d::Identity());
+    const double slope2 = plane.tail<2>().squaredNorm() + of_slope.diagonal().tail<2>().sum();
+    variance_m2 += square(kScannerHeight_m * slope2);
+  }
+  return {heights.front().z_m + plane.x(), variance_m2,
           log_of(of_heights) + log_of(of_plane) + z.dot(of_heights.solve(z)) - seen.dot(plane)};
 }
 

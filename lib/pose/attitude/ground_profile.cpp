@@ -148,11 +148,16 @@ Step step_between(const Cell& from, const Cell& to, const Model& model) {
   return step;
 }
 
+/// Variance of the mean of a cell's fixes that its neighbours do not share.
+double own_variance_m2(const Cell& cell, const Model& model) {
+  return model.own_share * cell.variance_m2 / (cell.num_fixes * cell.weight);
+}
+
 /// Corrects by the fixes of a cell. Returns minus twice the logarithm of their likelihood, that of
 /// Huber: an outlier has no say in the choice of a model.
 double correct(const Cell& cell, const Model& model, State& state) {
   if (cell.num_fixes == 0) return 0.0;
-  const double own_m2 = model.own_share * cell.variance_m2 / (cell.num_fixes * cell.weight);
+  const double own_m2 = own_variance_m2(cell, model);
   const Vector4d H(1.0, 0.0, 0.0, std::sqrt((1.0 - model.own_share) * cell.variance_m2));
   const Vector4d covariance = state.covariance * H;
   const double variance_m2 = H.dot(covariance) + own_m2;
@@ -255,6 +260,13 @@ GroundProfile ground_along(const std::vector<GroundReading>& readings,
     point.z_m = states[k].mean(0);
     point.variance_m2 = std::max(0.0, states[k].covariance(0, 0));
     if (!cell.has_tilt()) {
+      if (cell.num_fixes > 0) {
+        // Smoothed heights would look like smooth ground to what weighs its roughness.
+        const double shared_m2 = (1.0 - model.own_share) * cell.variance_m2;
+        point.z_m = cell.height_m - std::sqrt(shared_m2) * states[k].mean(3);
+        point.variance_m2 = shared_m2 * states[k].covariance(3, 3);
+        point.own_variance_m2 = own_variance_m2(cell, model);
+      }
       // An antenna h above a slope g is h g^2 / 2 lower than upright, and h g downhill of its
       // robot, where the ground is h g^2 lower.
       const double slope2 = states[k].mean.segment<2>(1).squaredNorm() +

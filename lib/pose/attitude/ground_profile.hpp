@@ -28,6 +28,7 @@ struct GroundPoint {
   double yaw_rad = 0.0;
   double z_m = 0.0;
   double variance_m2 = 0.0;                 ///< of z_m; neighbours err alike
+  double own_variance_m2 = 0.0;             ///< of z_m, too; each point errs by itself
   std::optional<Eigen::Vector2d> gradient;  ///< rise per metre along map's x and y, by the tilt
   double slope_variance = 0.0;              ///< of its part across the way
 };
@@ -41,9 +42,10 @@ using GroundProfile = std::vector<GroundPoint>;
 ///
 /// Without any antenna height the profile is empty: heights by tilt alone drift by a hundredth of
 /// the way and would be those of no frame. Without tilts, heights alone tell the ground along the
-/// path. Antenna heights far off the profile lose their weight. What of a fix's variance is its
-/// own, how long its neighbours share the rest, and over which way a tilt errs alike, are those
-/// values under which the heights of the drive are likeliest.
+/// path: a point is then what its own fixes say, as unsmooth as they are. Antenna heights far off
+/// the profile lose their weight. What of a fix's variance is its own, how long its neighbours
+/// share the rest, and over which way a tilt errs alike, are those values under which the heights
+/// of the drive are likeliest.
 GroundProfile ground_along(const std::vector<GroundReading>& readings,
                            const Eigen::Vector3d& p_base_antenna_m);
 

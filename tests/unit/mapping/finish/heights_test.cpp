@@ -125,6 +125,42 @@ TEST(Heights, AreAsCertainAsTheySayOnRoughGround) {
   }
 }
 
+// By fixes alone, of a plane: what they err by themselves is no roughness of the ground.
+TEST(Heights, TheErrorsOfSingleFixesAreNoRoughness) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> error_m(0.0, 0.04);
+  double over_claim = 0.0;
+  constexpr int kDrives = 60;
+  for (int drive = 0; drive < kDrives; ++drive) {
+    pose::GroundProfile ground = aisles({-2.0, 2.0}, false, 1e-6);
+    for (pose::GroundPoint& p : ground) {
+      p.z_m += error_m(random);
+      p.own_variance_m2 = 0.04 * 0.04;
+    }
+    auto trees = tree_at(13.3, 0.1);
+    set_heights(ground, trees);
+    EXPECT_LT(trees[0].z_sd_m, 0.04);
+    over_claim += std::pow((trees[0].z_m - plane_m(13.3, 0.1)) / trees[0].z_sd_m, 2);
+  }
+  EXPECT_LT(over_claim / kDrives, test::nees_band(1, kDrives).most);
+}
+
+// A scanner 0.7 m above a slope of 25 % that is taken as level sees trees 0.17 m uphill.
+TEST(Heights, WithoutATiltTheyHoldThatTreesSeemToStandUphill) {
+  pose::GroundProfile ground;
+  for (const double y_m : {-2.0, 2.0}) {
+    for (int x = 0; x <= 40; ++x) {
+      pose::GroundPoint& p = ground.emplace_back();
+      p.x_m = x, p.y_m = y_m, p.z_m = 0.25 * x, p.own_variance_m2 = 1e-6;
+    }
+  }
+  auto seen = tree_at(13.3 + 0.7 * 0.25, 0.1);
+  set_heights(ground, seen);
+  const double error_m = seen[0].z_m - 0.25 * 13.3;
+  EXPECT_NEAR(error_m, 0.044, 0.005);
+  EXPECT_LT(error_m, 1.5 * seen[0].z_sd_m);
+}
+
 TEST(Heights, FarFromThePathAndForUncertainHeightsTheyAreUnknown) {
   auto trees = tree_at(13.3, 12.0);
   set_heights(aisles({-2.0, 2.0}, true), trees);

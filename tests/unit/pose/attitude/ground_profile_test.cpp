@@ -89,7 +89,7 @@ Vector2d errors(const GroundProfile& profile) {
   for (const GroundPoint& p : profile) {
     const double error2 = std::pow(p.z_m - hill_m(p.x_m, p.y_m), 2);
     sum2 += error2;
-    over2 += error2 / p.variance_m2;
+    over2 += error2 / (p.variance_m2 + p.own_variance_m2);
   }
   const auto num = static_cast<double>(profile.size());
   return {std::sqrt(sum2 / num), std::sqrt(over2 / num)};

@@ -12,6 +12,27 @@
 
 namespace orchard::laser {
 
+/// Height of a scan's plane above the ground's plane, both as the robot's tilt tells them.
+struct OverGround {
+  float height_m = 0.0f;             ///< at the laser
+  float per_x = 0.0f, per_y = 0.0f;  ///< its rise per metre along base's x and y
+  /// Variance of the ground's height about its plane, at a distance from the robot.
+  float held_m2 = 0.0f, per_m = 0.0f, per_m2 = 0.0f;
+
+  /// derived: of the beams of thirty scans one is of ground that is so many sd above its plane.
+  static constexpr float kGroundMax_sigma = 4.0f;
+
+  bool is_known() const { return held_m2 > 0.0f; }
+  float variance_m2(float distance_m) const {
+    return held_m2 + distance_m * (per_m + distance_m * per_m2);
+  }
+  /// Whether a return there, from the laser along base's axes, may be of the ground.
+  bool may_be_ground(float x_m, float y_m) const {
+    const float there_m = height_m + per_x * x_m + per_y * y_m;
+    return there_m < kGroundMax_sigma * std::sqrt(variance_m2(std::hypot(x_m, y_m)));
+  }
+};
+
 /// One sweep of a 2D laser scanner in the laser frame (x forward, y left).
 struct Scan {
   std::int64_t utime = 0;          ///< time of the first beam [us]
@@ -26,12 +47,13 @@ struct Scan {
 
   /// Of the scan of a tilted robot that is projected to the horizontal plane (pose/attitude), not
   /// in scan_t: the bearings of the projected beams, else empty, where the tilt puts the laser
-  /// beyond its mount, in base, and what takes projected points back to the plane of the scan,
-  /// which cameras are fixed to (laser frame).
+  /// beyond its mount, in base, what takes projected points back to the plane of the scan, which
+  /// cameras are fixed to (laser frame), and the ground below, if the mount's height is known.
   std::vector<float> bearings_rad;
   double sway_x_m = 0.0;
   double sway_y_m = 0.0;
   Eigen::Matrix2d plane_of_level = Eigen::Matrix2d::Identity();
+  OverGround over_ground;
 
   /// Bearing of a beam in the laser frame [rad]; `beam` may lie between two beams.
   double bearing_rad(double beam) const {

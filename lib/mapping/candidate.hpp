@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
+#include "mapping/free_space.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -64,6 +65,7 @@ struct Candidate {
   Eigen::Vector2d p_aligned;                        ///< p_map moved by the scan alignment
   Eigen::Matrix2d covariance;                       ///< of p_map: detection and pose [m2]
   Eigen::Matrix2d aligned_covariance;  ///< of p_aligned: detection and remaining pose error [m2]
+  Clearance clearance = Clearance::kUntold;
 };
 
 /// Composes the detections of a scan with its pose (eqs. 11-12); p_aligned is set to p_map. Drops

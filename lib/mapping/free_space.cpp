@@ -43,7 +43,8 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
                               scan.bearing_step_rad),
       bearing_step_rad_(scan.bearing_step_rad),
       beam_period_s_(1e-6 * scan.beam_period_us),
-      no_return_m_(0.5 * scan.range_max_m) {
+      no_return_m_(0.5 * scan.range_max_m),
+      over_ground_(scan.over_ground) {
   laser_.mount_x_m += scan.sway_x_m;
   laser_.mount_y_m += scan.sway_y_m;
   codes_.assign(scan.ranges_m.size(), kSaysNothing);
@@ -81,7 +82,7 @@ std::vector<std::uint8_t> FreeSpace::pack() const {
         bytes.insert(bytes.end(), first, first + size);
       },
       utime_, laser_, bearing_middle_rad_, bearing_step_rad_, beam_period_s_, no_return_m_,
-      velocity_.x(), velocity_.y(), velocity_.z());
+      velocity_.x(), velocity_.y(), velocity_.z(), over_ground_);
   bytes.insert(bytes.end(), codes_.begin(), codes_.end());
   return bytes;
 }
@@ -97,9 +98,16 @@ FreeSpace FreeSpace::unpack(const std::vector<std::uint8_t>& bytes) {
       },
       free_space.utime_, free_space.laser_, free_space.bearing_middle_rad_,
       free_space.bearing_step_rad_, free_space.beam_period_s_, free_space.no_return_m_,
-      free_space.velocity_.x(), free_space.velocity_.y(), free_space.velocity_.z());
+      free_space.velocity_.x(), free_space.velocity_.y(), free_space.velocity_.z(),
+      free_space.over_ground_);
   free_space.codes_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
   return free_space;
+}
+
+Clearance FreeSpace::clearance(const Vector2d& p_base) const {
+  if (!over_ground_.is_known()) return Clearance::kUntold;
+  const Eigen::Vector2f p = (p_base - Vector2d(laser_.mount_x_m, laser_.mount_y_m)).cast<float>();
+  return over_ground_.may_be_ground(p.x(), p.y()) ? Clearance::kLow : Clearance::kClear;
 }
 
 /// Transforms a point from base (at the scan's utime) to the laser frame at the time of a beam.

@@ -27,6 +27,14 @@ struct FreeSpaceAnswer {
   int num_across = 0;  ///< beams across the object's own width; kPassesThrough only
 };
 
+/// Whether what was seen at a place stands higher than the ground may be there; the more certain is
+/// the larger.
+enum class Clearance : std::uint8_t {
+  kUntold,  ///< nothing is known of the ground
+  kLow,     ///< the scan's plane was so low that the ground may have been seen
+  kClear,
+};
+
 /// What the scans of a drive show at a passage between two objects.
 enum class Passage {
   kUnknown,  ///< hardly in view
@@ -64,6 +72,9 @@ class FreeSpace {
   /// either.
   FreeSpaceAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
+  /// How high above the ground the scan's plane is at a position in base.
+  Clearance clearance(const Eigen::Vector2d& p_base) const;
+
   /// Counts the beams through a passage and those that end in it. The passage is the line between
   /// two positions in base, widened by `half_depth_m` to each side; a beam through it goes on for
   /// `clear_m` at least.
@@ -91,6 +102,7 @@ class FreeSpace {
   double beam_period_s_ = 0.0;
   double no_return_m_ = 0.0;  ///< range up to which no return means passing
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  laser::OverGround over_ground_;
   std::vector<std::uint8_t> codes_;
 };
 

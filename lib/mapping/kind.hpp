@@ -16,7 +16,7 @@ enum class Kind {
   kTree,    ///< a trunk in a row of the map or of the grower's plan
   kTrunk,   ///< any other trunk
   kObject,  ///< no trunk
-  kUnseen,  ///< never in the field of view of the camera
+  kUnseen,  ///< never in the view of the camera, or it may be the ground
 };
 inline constexpr int kNumKinds = 4;  // derived: of the list above
 

@@ -165,6 +165,7 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
   into.log_odds =
       static_cast<float>(std::clamp<double>(into.log_odds, -log_odds_max, log_odds_max));
   into.num_all += from.num_all;
+  into.clearance = std::max(into.clearance, from.clearance);
   into.is_clump = into.is_clump || from.is_clump;
   into.last_scan = std::max(into.last_scan, from.last_scan);
   into.existence_log_odds = std::max(into.existence_log_odds, from.existence_log_odds);

@@ -8,6 +8,7 @@
 
 #include "detection/detection.hpp"
 #include "geometry/point_grid.hpp"
+#include "mapping/free_space.hpp"
 #include "mapping/mapper_config.hpp"
 
 namespace orchard::mapping {
@@ -42,7 +43,8 @@ struct LandmarkRecord {
   float existence_log_odds = 0.0f;  ///< log odds that it still exists: ExistenceFilter
   bool is_seen = false;             ///< judged by the camera, or by a laser-only rig
   bool is_removed = false;
-  bool is_clump = false;  ///< merged from touching parts, none of them a tree
+  Clearance clearance = Clearance::kUntold;  ///< the best of its observations
+  bool is_clump = false;                     ///< merged from touching parts, none of them a tree
 
   Eigen::Vector2d association_position() const { return {association_x_m, association_y_m}; }
 };

@@ -37,6 +37,7 @@ void MapState::add_observation(std::int32_t index, const Candidate& c) {
                   config);
     r.last_observation = observations.prepend(observation_of(c), r.last_observation);
     r.last_scan = observations.last_scan();
+    r.clearance = std::max(r.clearance, c.clearance);
   });
 }
 
@@ -74,6 +75,9 @@ Landmark MapState::report(std::int32_t index, const PositionMode& mode) const {
   Landmark l;
   l.id = index + 1;
   l.label = label_of(r, config);
+  // Nothing but the width of a trunk tells what may be the ground from it.
+  const bool may_be_ground = r.clearance == Clearance::kLow;
+  if (may_be_ground && l.label == detection::Label::kObject) l.label = detection::Label::kUnseen;
   l.num_observations = r.num_observations;
   const Eigen::Vector2d p_map = r.is_clump ? r.association_position() : mode.p_map;
   l.x_m = p_map.x();

@@ -102,6 +102,10 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
   map.observations.add_scan(T_map_base, free_space.get());
   std::vector<Candidate> candidates = compose(
       detections, T_map_base, map.observations.last_composition(), config.observation_range_max_m);
+  for (Candidate& c : candidates) {
+    if (!free_space) break;
+    c.clearance = free_space->clearance({c.detection->centre_x_m, c.detection->centre_y_m});
+  }
   pose::PoseEstimate T_map_base_aligned = T_map_base;
   if (config.align_scans) {
     T_map_base_aligned = align(candidates, T_map_base, config.align_kernel_m,

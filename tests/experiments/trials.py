@@ -418,7 +418,8 @@ MET = ("tree", "object", "branch", "grass", "ground")
 
 
 def met_by(lab, rig, seed, extra):
-    """Of landmarks that are nothing of the truth, how many are what most beams met there; the last number: where none met anything."""
+    """Of trees and objects that are nothing of the truth, how many are what most beams met there; the last number: where none met any."""
+    extra = [e for e in extra if e["class"] != "unseen"]
     places = [f"{e[axis]}" for e in extra for axis in ("x_m", "y_m")]
     counts = dict.fromkeys((*MET, "nothing"), 0)
     for there in lab.lines("met_at", lab.rig_file(rig), seed, *places) if places else []:

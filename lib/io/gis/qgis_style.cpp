@@ -80,10 +80,11 @@ std::string choices_text(const QgisStyle& style) {
 QgisStyle landmark_style(const char* label, const char* kind) {
   QgisStyle style;
   style.field = kind;
-  style.symbols = {{"tree", "tree in a row", "circle", kTreeColour, 2.4},
-                   {"trunk", "trunk in no row", "circle", kTrunkColour, 2.0},
-                   {"object", "object", "square", kObjectColour, 2.0},
-                   {"unseen", "not seen by the camera", "diamond", kUnseenColour, 2.0}};
+  style.symbols = {
+      {"tree", "tree in a row", "circle", kTreeColour, 2.4},
+      {"trunk", "trunk in no row", "circle", kTrunkColour, 2.0},
+      {"object", "object", "square", kObjectColour, 2.0},
+      {"unseen", "not seen by the camera, or perhaps the ground", "diamond", kUnseenColour, 2.0}};
   style.label = label;
   style.choice_field = "class";
   style.choices = {"tree", "object", "unseen"};

@@ -38,9 +38,14 @@ void GroundPlane::add(const Attitude& attitude, double distance_m, double turn_r
 
 /// Slopes of one body's length are independent of those of the next: heights walk at random, and
 /// the plane is the mean of as many as were driven on.
-GroundPlane::HeightVariance GroundPlane::height_variance() const {
+laser::OverGround GroundPlane::below(double height_m, const Eigen::Vector2d& rise) const {
   const double of_plane = kBody_m / std::max(kBody_m, 2.0 * driven_m_);
-  return {static_cast<float>(variance_ * square(kBody_m)), static_cast<float>(variance_ * kBody_m),
+  const Eigen::Vector2d over = rise - gradient_;
+  return {static_cast<float>(height_m),
+          static_cast<float>(over.x()),
+          static_cast<float>(over.y()),
+          static_cast<float>(variance_ * square(kBody_m)),
+          static_cast<float>(variance_ * kBody_m),
           static_cast<float>(variance_ * of_plane + square(kMountSd_rad))};
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "laser/scan.hpp"
 #include "pose/attitude/attitude.hpp"
 
 namespace orchard::pose {
@@ -21,15 +22,9 @@ class GroundPlane {
   /// Rise of the plane per metre along the level frame's x and y.
   const Eigen::Vector2d& gradient() const { return gradient_; }
 
-  /// Variance [m2] of the ground's height about the plane at a distance from the robot, as a beam
-  /// that is level with the robot sees it.
-  struct HeightVariance {
-    float held_m2 = 0.0f, per_m = 0.0f, per_m2 = 0.0f;
-    float at_m2(float distance_m) const {
-      return held_m2 + distance_m * (per_m + distance_m * per_m2);
-    }
-  };
-  HeightVariance height_variance() const;
+  /// The ground below a plane that starts `height_m` above it and rises by `rise` per metre: how
+  /// high above it a beam of a robot that is level with it meets things.
+  laser::OverGround below(double height_m, const Eigen::Vector2d& rise) const;
 
  private:
   double memory_m_;

@@ -13,10 +13,9 @@
 namespace orchard::pose {
 namespace {
 
-// derived: a return lower than this may be of the ground, one in 40 of which is higher; a surface
-// that begins so low is ground up to where of the beams of thirty scans one is.
+// derived: a return lower than this is taken for the ground, one in 40 of which is higher; a
+// surface that begins so low is ground up to OverGround::kGroundMax_sigma.
 constexpr float kGround_sigma = 2.0f;
-constexpr float kGroundMax_sigma = 4.0f;
 // derived: a beam without a return says nothing beyond half the scanner's range (see FreeSpace).
 constexpr float kNoReturnSays = 0.5f;
 
@@ -25,7 +24,8 @@ constexpr float kNoReturnSays = 0.5f;
 ScanLeveller::Height ScanLeveller::height_of(float height_m, float variance_m2) {
   const float height2_m2 = height_m > 0.0f ? height_m * height_m : 0.0f;
   if (height2_m2 < kGround_sigma * kGround_sigma * variance_m2) return Height::kGround;
-  const bool is_low = height2_m2 < kGroundMax_sigma * kGroundMax_sigma * variance_m2;
+  const bool is_low =
+      height2_m2 < geometry::square(laser::OverGround::kGroundMax_sigma) * variance_m2;
   return is_low ? Height::kLow : Height::kHigh;
 }
 
@@ -76,18 +76,22 @@ void ScanLeveller::level(laser::Scan& scan, const Attitude& first, const Attitud
   bearings_rad *= 1.0f - bearings_rad.square() * (1.0f / 3.0f - bearings_rad.square() / 5.0f);
   bearings_rad += bearings_rad_;
   level_x_ = (level_x_.square() + level_y_.square()).sqrt();
-  const double start_m = laser.z() - ground.gradient().dot(laser.head<2>());
-  set_ranges(scan, ground, start_m);
-  if (mount_.height_m > 0.0) leave_out_ground(scan);
+  const Eigen::Matrix3d R_middle = 0.5 * (R_first + R_last);
+  const Eigen::Vector2d rise = R_middle.topLeftCorner<2, 2>().transpose().inverse() *
+                               R_middle.bottomLeftCorner<1, 2>().transpose();
+  const laser::OverGround below =
+      ground.below(laser.z() - ground.gradient().dot(laser.head<2>()), rise);
+  set_ranges(scan, below);
+  if (mount_.height_m <= 0.0) return;
+  scan.over_ground = below;
+  leave_out_ground(scan);
 }
 
 /// Makes ranges horizontal and finds the heights of the returns above the ground's plane.
-void ScanLeveller::set_ranges(laser::Scan& scan, const GroundPlane& ground, double start_m) {
+void ScanLeveller::set_ranges(laser::Scan& scan, const laser::OverGround& ground) {
   const auto nearest_m = static_cast<float>(scan.range_min_m);
   const auto farthest_m = static_cast<float>(scan.range_max_m);
   const float no_return_m = kNoReturnSays * farthest_m;
-  const auto start = static_cast<float>(start_m);
-  const GroundPlane::HeightVariance variance = ground.height_variance();
   heights_.resize(scan.ranges_m.size());
   for (std::size_t i = 0; i < heights_.size(); ++i) {
     const auto beam = static_cast<Eigen::Index>(i);
@@ -95,7 +99,7 @@ void ScanLeveller::set_ranges(laser::Scan& scan, const GroundPlane& ground, doub
     const bool returns = range_m >= nearest_m && range_m < farthest_m && range_m > 0.0f;
     const float at_m = returns ? range_m : no_return_m;
     const float level_m = level_x_(beam) * at_m;
-    heights_[i] = height_of(start + at_m * rise_(beam), variance.at_m2(level_m));
+    heights_[i] = height_of(ground.height_m + at_m * rise_(beam), ground.variance_m2(level_m));
     if (returns) scan.ranges_m[i] = level_m;
   }
 }

@@ -20,14 +20,15 @@ class ScanLeveller {
       : mount_(mount), jump_m_(jump_m), jump_fraction_(jump_fraction) {}
 
   /// Makes ranges and bearings of a scan horizontal, by the tilt at its first and last beam, and
-  /// sets its sway. Returns that may be of the ground become "nothing measured" (NaN), as do beams
-  /// without a return that meet it, unless the mount's height is unknown (0).
+  /// sets its sway and what is below it. Returns that may be of the ground become "nothing
+  /// measured" (NaN), as do beams without a return that meet it, unless the mount's height is
+  /// unknown (0).
   void level(laser::Scan& scan, const Attitude& first, const Attitude& last,
              const GroundPlane& ground);
 
  private:
   void set_directions(const laser::Scan& scan);
-  void set_ranges(laser::Scan& scan, const GroundPlane& ground, double start_m);
+  void set_ranges(laser::Scan& scan, const laser::OverGround& ground);
   void leave_out_ground(laser::Scan& scan);
 
   /// Of a return above the ground's plane: may be ground, part of a surface that is, neither.

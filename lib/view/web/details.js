@@ -2,7 +2,7 @@
 
 function certaintyText(model, i) {
   const { label, probability } = model.columns;
-  if (label[i] === kUnseen) return "not seen by the camera";
+  if (label[i] === kUnseen) return "not seen by the camera, or perhaps the ground";
   const sure = model.isTrunk(i) ? probability[i] : 1 - probability[i];
   const percent = sure > 0.999 ? "over 99.9 %" : `${(100 * sure).toFixed(1)} %`;
   return `${["sure", "likely", "unsure"][model.certainty(i)]}, ${percent}`;

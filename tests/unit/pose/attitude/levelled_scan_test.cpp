@@ -139,6 +139,27 @@ TEST(ScanLeveller, PointsGoBackToThePlaneOfTheScan) {
   }
 }
 
+// On a slope, nose down: so high above the ground are the returns, whatever the axes.
+TEST(ScanLeveller, KnowsHowHighReturnsAreAboveTheGround) {
+  const Vector2d gradient(0.1, -0.05);
+  const Tilted robot{0.1, 0.08};
+  laser::Scan scan = empty_scan();
+  scan.ranges_m.assign(scan.ranges_m.size(), 1.5f);
+  const laser::Scan sent = scan;
+  ScanLeveller leveller(mount(), 0.1, 0.02);
+  leveller.level(scan, robot.attitude(), robot.attitude(), driven(gradient));
+  for (std::size_t i = 0; i < scan.ranges_m.size(); i += 10) {
+    const Vector3d met = robot.laser() + 1.5 * robot.ray(sent, i);
+    const double true_m = met.z() - gradient.dot(met.head<2>());
+    const Vector2d arm = met.head<2>() - robot.laser().head<2>();
+    const laser::OverGround& below = scan.over_ground;
+    EXPECT_NEAR(below.height_m + below.per_x * arm.x() + below.per_y * arm.y(), true_m, 1e-4);
+    const double sd_m = std::sqrt(below.variance_m2(static_cast<float>(arm.norm())));
+    EXPECT_EQ(below.may_be_ground(static_cast<float>(arm.x()), static_cast<float>(arm.y())),
+              true_m < 4.0 * sd_m);
+  }
+}
+
 // Half a metre above the ground and nose down by 5 degrees: the ground is met at 5.7 m ahead, a
 // pole at 2 m is not the ground, and one at 5.7 m cannot be told from it.
 TEST(ScanLeveller, LeavesOutTheGroundAndKeepsTheTreeBeforeIt) {
@@ -175,6 +196,7 @@ TEST(ScanLeveller, LeavesInTheGroundOfAScannerOfUnknownHeight) {
   ScanLeveller leveller(unknown, 0.1, 0.02);
   leveller.level(scan, {0.0, 0.1, 0.0}, {0.0, 0.1, 0.0}, driven({0.0, 0.0}));
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) EXPECT_TRUE(scan.valid(i)) << i;
+  EXPECT_FALSE(scan.over_ground.is_known());
 }
 
 // What the beams of a tilted robot pass through, they pass through on the map: a wall behind a
@@ -215,7 +237,7 @@ TEST(GroundPlane, StaysInPlaceWhileTheRobotTurns) {
   }
   EXPECT_LT((ground.gradient() + gradient).norm(), 1e-3);
   // On a plane the ground 5 m away is known within the mounting of the scanner: 0.5 degrees.
-  EXPECT_NEAR(std::sqrt(ground.height_variance().at_m2(5.0f)), 0.044, 0.02);
+  EXPECT_NEAR(std::sqrt(ground.below(0.5, {}).variance_m2(5.0f)), 0.044, 0.02);
 }
 
 // Ground whose slopes of a metre each are independent: heights stray from the plane as it says.
@@ -228,7 +250,7 @@ TEST(GroundPlane, KnowsHowFarBumpsStray) {
     for (int i = 0; i < 20; ++i) ground.add({std::atan(side), -std::atan(rise), 0.0}, 0.05, 0.0);
   }
   const double walked_m2 = 0.05 * 0.05 * (1.0 + 4.0), mounted_m2 = std::pow(0.0087 * 4.0, 2);
-  EXPECT_NEAR(ground.height_variance().at_m2(4.0f), walked_m2 + mounted_m2, 0.4 * walked_m2);
+  EXPECT_NEAR(ground.below(0.5, {}).variance_m2(4.0f), walked_m2 + mounted_m2, 0.4 * walked_m2);
 }
 
 }  // namespace

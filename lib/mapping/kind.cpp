@@ -2,7 +2,10 @@
 #include "mapping/kind.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+
+#include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
 
@@ -10,6 +13,12 @@ Kind kind_of(const Landmark& landmark) {
   if (landmark.label == detection::Label::kObject) return Kind::kObject;
   if (landmark.label == detection::Label::kUnseen) return Kind::kUnseen;
   return landmark.row > 0 ? Kind::kTree : Kind::kTrunk;
+}
+
+bool may_be_tree(const Landmark& landmark) {
+  static const double surely_none = 1.0 / (1.0 + std::exp(-tuning::kSurelyNone));
+  if (landmark.label == detection::Label::kUnseen) return landmark.probability >= surely_none;
+  return landmark.label != detection::Label::kObject;
 }
 
 KindCounts::KindCounts(const std::vector<Landmark>& landmarks) {

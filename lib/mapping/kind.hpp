@@ -22,6 +22,10 @@ inline constexpr int kNumKinds = 4;  // derived: of the list above
 
 Kind kind_of(const Landmark& landmark);
 
+/// Whether maps that are laid on each other or on a plan take a landmark for a tree: not an object,
+/// nor what was not seen well and is surely none.
+bool may_be_tree(const Landmark& landmark);
+
 /// Numbers of landmarks by kind.
 struct KindCounts {
   KindCounts() = default;

@@ -12,6 +12,7 @@
 #include "geometry/statistics.hpp"
 #include "mapping/compare/alignment_candidates.hpp"
 #include "mapping/compare/change_posterior.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/tuning.hpp"
 
@@ -283,7 +284,7 @@ Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
   Selection s{{}, {geometry::IndexedPoints({}), {}, {}, {}}};
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (!with_objects && landmarks[i].label == detection::Label::kObject) continue;
+    if (!with_objects && !may_be_tree(landmarks[i])) continue;
     s.index.push_back(static_cast<std::int32_t>(i));
     places.push_back({landmarks[i].x_m, landmarks[i].y_m});
     s.trunks.width_m.push_back(landmarks[i].width_m);
@@ -306,9 +307,7 @@ Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
 }
 
 std::size_t num_not_objects(const std::vector<Landmark>& landmarks) {
-  return static_cast<std::size_t>(
-      std::count_if(landmarks.begin(), landmarks.end(),
-                    [](const Landmark& l) { return l.label != detection::Label::kObject; }));
+  return static_cast<std::size_t>(std::count_if(landmarks.begin(), landmarks.end(), may_be_tree));
 }
 
 /// Log of an upper bound (Chernoff) on the probability of at least `count` Poisson events of that

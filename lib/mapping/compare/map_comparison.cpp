@@ -7,6 +7,7 @@
 #include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
 #include "mapping/compare/change_posterior.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/tuning.hpp"
 
 namespace orchard::mapping {
@@ -64,7 +65,7 @@ std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& l = landmarks[i];
-    if (l.label != Label::kObject && !in_clump[i]) places.push_back({l.x_m, l.y_m});
+    if (may_be_tree(l) && !in_clump[i]) places.push_back({l.x_m, l.y_m});
   }
   return places.size() < 2 ? landmark_positions(landmarks) : places;
 }
@@ -192,7 +193,7 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
     deviations_m.push_back(pair.residual_m.x());
     deviations_m.push_back(pair.residual_m.y());
     widths_m.push_back(m.width_m);
-    if (l.label == Label::kObject && m.label == Label::kObject) continue;
+    if (!may_be_tree(l) && !may_be_tree(m)) continue;
     (are_trees(l, m) ? of_trees : of_others)
         .push_back((m.width_m - l.width_m - scatter.width_common_m) /
                    (noise_factor(l, m, typical) * scatter.width_sd_m));
@@ -276,9 +277,7 @@ class MapComparer {
   }
 
  private:
-  bool is_compared(const Landmark& l) const {
-    return config_.with_objects || l.label != Label::kObject;
-  }
+  bool is_compared(const Landmark& l) const { return config_.with_objects || may_be_tree(l); }
   bool is_left(const Side& side, std::size_t i) const {
     return !side.is_paired[i] && is_compared(side.landmarks[i]);
   }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mapping/compare/map_comparison.hpp"
+#include "mapping/kind.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -106,8 +107,7 @@ IdTransfer keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& al
   }
   for (const LandmarkPair& pair : pair_landmarks(then, laid, geometry::Pose2{}, gate_m)) {
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
-    const bool are_objects = earlier[i].label == detection::Label::kObject &&
-                             landmarks[j].label == detection::Label::kObject;
+    const bool are_objects = !may_be_tree(earlier[i]) && !may_be_tree(landmarks[j]);
     if (are_objects && !is_found[i] && kept_id[j] == 0) keep(pair.a, pair.b);
   }
   kept.num_gone = static_cast<int>(earlier.size()) - kept.num_found;

@@ -11,6 +11,7 @@
 #include "geometry/statistics.hpp"
 #include "geometry/visibility.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/tuning.hpp"
 #include "pose/repeat_model.hpp"
 
@@ -69,9 +70,7 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   raster_.emplace_back(landmarks, trajectories, view);
   const std::vector<Vector2d> places = landmark_positions(landmarks);
   const std::vector<VisibilityGrid::Seconds> times = raster_.front().at(places);
-  const auto is_tree = [&](std::size_t i) {
-    return landmarks[i].label != detection::Label::kObject;
-  };
+  const auto is_tree = [&](std::size_t i) { return may_be_tree(landmarks[i]); };
   std::vector<Rates> fractions;
   std::vector<double> per_second;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/statistics.hpp"
+#include "mapping/kind.hpp"
 #include "mapping/plan/orchard_plan.hpp"
 
 namespace orchard::mapping {
@@ -194,7 +195,7 @@ class PlanMatcher {
         objects_({}) {
     std::vector<Vector2d> trees, objects;
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
-      const bool is_object = landmarks[i].label == detection::Label::kObject;
+      const bool is_object = !may_be_tree(landmarks[i]);
       (is_object ? objects : trees).push_back({landmarks[i].x_m, landmarks[i].y_m});
       (is_object ? object_index_ : tree_index_).push_back(static_cast<std::int32_t>(i));
     }

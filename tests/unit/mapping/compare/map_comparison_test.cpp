@@ -32,6 +32,26 @@ struct Score {
   int right = 0, wrong = 0, overlooked = 0;
 };
 
+// What may be the ground is in one map and not in the other as the robot sways.
+TEST(MapComparison, WhatIsUnseenAndSurelyNoTreeIsNoChange) {
+  Dice dice(4);
+  Block block = plant_block(dice, 6, 12, 0.0);
+  const DrivenMap a = drive_through(block, Drive{}, dice);
+  for (const double probability : {0.05, 0.5}) {
+    DrivenMap b = a;
+    Landmark tuft = b.landmarks[b.landmarks.size() / 2];
+    tuft.id = 9000;
+    tuft.label = detection::Label::kUnseen;
+    tuft.probability = probability;
+    tuft.x_m += 1.0;
+    b.landmarks.push_back(tuft);
+    const std::vector<MapChange> changes = compare(a, b).changes;
+    const auto num = std::count_if(changes.begin(), changes.end(),
+                                   [](const MapChange& c) { return c.change == Change::kNew; });
+    EXPECT_EQ(num, probability < 0.1 ? 0 : 1) << probability;
+  }
+}
+
 TEST(MapComparison, FindsFivePercentOfChange) {
   Score score;
   for (int seed = 1; seed <= 5; ++seed) {

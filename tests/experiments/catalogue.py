@@ -93,7 +93,7 @@ EXPERIMENTS = {
         Row("level_extra_1 level_extra_3 level_extra_5", "the same, scans taken as level", "", "- / 1-10"),
         Row("met_1 met_3 met_5", "what most beams met where those levelled ones that are not UNSEEN are, by the simulated world, per drive: a tree whose "
             "landmark is another, a part of a bush, a low branch, grass, the ground, nothing", "0 of ground", "1001-1008 / 1-10",
-            "Half of the trees have a low branch; the grass left is nearly all below one. What was only seen where the ground may be is UNSEEN."),
+            "Half of the trees have a low branch, with grass below. What was only seen where the ground may be is UNSEEN; bumps of 5 degrees have a few tufts above four standard deviations."),
         Row("path_1 path_3 path_5", "the path by satellites, wheels and IMU there: error, RMS, in per cent of its length of 75 m", "0.1", "none / 1-10"),
         Row("held_0 level_held_0 f1_0 level_f1_0 error_0 level_error_0 path_0 level_path_0 extra_0 level_extra_0",
             "level ground without bumps, levelled and taken as level: F1 of trees held for trees; of class tree; error of trees, mm; path, per "

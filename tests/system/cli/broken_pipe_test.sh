@@ -36,7 +36,7 @@ for command in $("$orchard" --help | sed -n 's/^  \([a-z-]*\)  .*/\1/p'); do end
 ends_well "$orchard --help"
 [ $num -gt 15 ] || fail "only $num commands are listed"
 for program in "$bin"/orchard-*; do
-  case $program in *-maps | *-calibrate | *-import) continue ;; esac
+  case $program in *-maps | *-gis | *-calibrate | *-import) continue ;; esac
   ends_well "$program --help"
   ends_well "$program --print-config --all"
 done

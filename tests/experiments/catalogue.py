@@ -420,9 +420,9 @@ EXPERIMENTS = {
         Row("levelled", "a robot that sways on a slope, scans levelled by its IMU, live over a link that delays by 20 ms and repeats a tenth: "
             "its map against the log's; against that of what its host heard", "the same bytes", "the same"),
         Row("day", "24 h of driving in one process, twice", "the same bytes", "the same"),
-        Row("pictures", "an hour of driving with pictures at five times real time, on a quiet machine: messages lost by the mapper, by the detector; the mapper's own memory, per "
+        Row("pictures", "an hour of driving with pictures at five times real time, one of two cores busy: messages lost by the mapper, by the detector; the mapper's own memory, per "
             "hour; more processor of it for a minute of driving in the last third than in the second", "0, 0; 10 MiB; 10 %", "the same",
-            "Growth and the detector's loss are **missed**."),
+            "The growth of its memory is **missed**."),
     ]),
     "bombs": Experiment("In the field", command="tests/system/bombs/bombs.py", rows=[
         Row("bombs", "40 kinds of files made to exhaust who reads them, or that name another place: not refused, connections; "

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <tuple>
 
@@ -54,6 +55,28 @@ std::vector<LandmarkPair> nearest_pairs_of(std::vector<Offer> offers, std::size_
 }
 
 }  // namespace
+
+std::vector<LandmarkPair> pairs_in(const std::vector<LandmarkPair>& pairs,
+                                   const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                                   const std::vector<Landmark>& other_a,
+                                   const std::vector<Landmark>& other_b) {
+  const auto places_of = [](const std::vector<Landmark>& landmarks) {
+    std::map<std::int32_t, std::int32_t> place_of_id;
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      place_of_id[landmarks[i].id] = static_cast<std::int32_t>(i);
+    }
+    return place_of_id;
+  };
+  const auto in_a = places_of(other_a), in_b = places_of(other_b);
+  std::vector<LandmarkPair> found;
+  for (const LandmarkPair& pair : pairs) {
+    const auto of_a = in_a.find(a[static_cast<std::size_t>(pair.a)].id);
+    const auto of_b = in_b.find(b[static_cast<std::size_t>(pair.b)].id);
+    if (of_a == in_a.end() || of_b == in_b.end()) continue;
+    found.push_back({of_a->second, of_b->second, pair.residual_m});
+  }
+  return found;
+}
 
 double told_rms_m(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                   const std::vector<LandmarkPair>& pairs) {

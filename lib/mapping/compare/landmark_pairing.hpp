@@ -38,6 +38,13 @@ std::vector<LandmarkPair> pair_landmarks_near(const geometry::IndexedPoints& a,
                                               const geometry::Pose2& T_a_b, double gate_m,
                                               const Eigen::Vector2d& p_a, double radius_m);
 
+/// The pairs of lists a and b by their indices in other lists of the same landmarks, such as people
+/// have corrected: by id, without those that a list lacks.
+std::vector<LandmarkPair> pairs_in(const std::vector<LandmarkPair>& pairs,
+                                   const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                                   const std::vector<Landmark>& other_a,
+                                   const std::vector<Landmark>& other_b);
+
 /// Removes from each residual the median of its neighbours' residuals, i.e. the slow deformation
 /// between two maps. Fewer than 12 pairs are left unchanged.
 void remove_common_residuals(const geometry::IndexedPoints& a, std::vector<LandmarkPair>& pairs);

@@ -91,7 +91,7 @@ int run_compare(const CompareOptions& options) {
   mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
   for (MapInput* input : {&input_a, &input_b}) input->mapped.trajectories = {};  // large
   const mapping::MapAlignment alignment =
-      register_map(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
+      register_map(input_a, view_a, input_b, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(
       a.landmarks, b.landmarks, view_a, view_b, alignment, options.comparison);
   for (MapInput* input : {&input_a, &input_b}) input->mapped = {};  // room for the figures

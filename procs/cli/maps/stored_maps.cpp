@@ -238,6 +238,15 @@ io::SummaryFacts facts_of(const std::string& map_path) {
                                 count_of(bus::Channel::kScan), count_of(bus::Channel::kImage));
 }
 
+mapping::MapAlignment register_map(const MapInput& a, const mapping::DetectionMap& view_a,
+                                   const MapInput& b, const mapping::DetectionMap& view_b,
+                                   const mapping::MapAlignmentConfig& config) {
+  mapping::MapAlignment alignment = register_map(a.mapped, view_a, b.mapped, view_b, config);
+  alignment.pairs = mapping::pairs_in(alignment.pairs, a.mapped.landmarks, b.mapped.landmarks,
+                                      a.map.landmarks, b.map.landmarks);
+  return alignment;
+}
+
 ComparedMaps compare_with_earlier(const char* command, const std::string& previous_path,
                                   const std::string& map_path, const MapInput& now, bool as_mapped,
                                   const mapping::MapAlignmentConfig& config) {
@@ -251,8 +260,7 @@ ComparedMaps compare_with_earlier(const char* command, const std::string& previo
   }
   const mapping::DetectionMap view_before = view_of(compared.before.mapped, 0.0);
   const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
-  compared.alignment =
-      register_map(compared.before.mapped, view_before, now.mapped, view_now, config);
+  compared.alignment = register_map(compared.before, view_before, now, view_now, config);
   compared.comparison = mapping::compare_maps(compared.before.map.landmarks, now.map.landmarks,
                                               view_before, view_now, compared.alignment, {});
   return compared;

@@ -49,6 +49,11 @@ mapping::MapAlignment register_map(const io::StoredMap& a, const mapping::Detect
                                    const io::StoredMap& b, const mapping::DetectionMap& view_b,
                                    const mapping::MapAlignmentConfig& config);
 
+/// Registers the measured maps. The pairs are those of the corrected landmarks.
+mapping::MapAlignment register_map(const MapInput& a, const mapping::DetectionMap& view_a,
+                                   const MapInput& b, const mapping::DetectionMap& view_b,
+                                   const mapping::MapAlignmentConfig& config);
+
 /// The facts of a map's summary.json, with the names of this program's channels.
 io::SummaryFacts facts_of(const std::string& map_path);
 

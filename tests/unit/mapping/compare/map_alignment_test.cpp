@@ -222,5 +222,22 @@ TEST(LandmarkPairs, TheirDistanceIsToldByTheErrorsOfBothMaps) {
   EXPECT_EQ(told_rms_m({a}, {b}, {}), 0.0);
 }
 
+TEST(LandmarkPairs, AreFoundAgainInCorrectedLists) {
+  const auto ids = [](const std::vector<std::int32_t>& of) {
+    std::vector<Landmark> landmarks(of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) landmarks[i].id = of[i];
+    return landmarks;
+  };
+  std::vector<LandmarkPair> pairs(3);
+  for (std::int32_t k = 0; k < 3; ++k) {
+    pairs[static_cast<std::size_t>(k)].a = k, pairs[static_cast<std::size_t>(k)].b = 2 - k;
+  }
+  // 1-6, 2-5, 3-4; people deleted 1 and 4, and added 9.
+  const auto now = pairs_in(pairs, ids({1, 2, 3}), ids({4, 5, 6}), ids({2, 3, 9}), ids({6, 5}));
+  ASSERT_EQ(now.size(), 1u);
+  EXPECT_EQ(now[0].a, 0);
+  EXPECT_EQ(now[0].b, 1);
+}
+
 }  // namespace
 }  // namespace orchard::mapping

@@ -92,6 +92,7 @@ FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
 Programs FarmFolder::programs() const {
   const std::string folder = io::program_folder() + "/";
   const std::vector<std::string> files{folder + "orchard", folder + "orchard-maps",
+                                       folder + "orchard-gis",  // reads the surveys of rigs
                                        path("Snakefile")};
   std::string identity;
   for (const std::string& file : files) identity += identity_of(file) + "\n";

@@ -77,8 +77,7 @@ void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignmen
   whole.ids_of_map[k] = mapping::merge_into(whole.merged, landmarks, alignment);
   whole.laid.push_back(fmt::format(
       "{}: aligned on {} trunks with a residual of {:.0f} mm (RMS; {:.0f} mm by the errors that "
-      "the "
-      "maps tell); moved by {:.3f} m, {:.3f} m and {:.3f} degrees",
+      "the maps tell); moved by {:.3f} m, {:.3f} m and {:.3f} degrees",
       options.map_paths[k], alignment.pairs.size(), 1e3 * alignment.rms_m,
       1e3 * mapping::told_rms_m(whole.map.landmarks, map.landmarks, alignment.pairs),
       alignment.T_a_b.x_m, alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi));

@@ -261,7 +261,7 @@ class OnlyFunctionsOfTheInput(Inputs):
         name = self.step()
         other = self.folder / "bin"
         other.mkdir()
-        for program in ("orchard", "orchard-maps"):
+        for program in ("orchard", "orchard-maps", "orchard-gis"):
             shutil.copy(BIN / program, other / program)
         with open(other / "orchard-maps", "ab") as file:
             file.write(b"another build")

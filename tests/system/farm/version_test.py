@@ -18,7 +18,7 @@ CHANGED = "the programs or the Snakefile have changed"
 def install(folder):
     """A copy of the programs that a farm runs."""
     folder.mkdir()
-    for program in ("orchard", "orchard-maps"):
+    for program in ("orchard", "orchard-maps", "orchard-gis"):
         shutil.copy(BIN / program, folder / program)
     return folder
 
@@ -67,7 +67,7 @@ def main():
         first = published()
         assert num_made(programs=install(folder / "elsewhere")) == 0, "the same bytes elsewhere"
 
-        for program in ("orchard", "orchard-maps"):
+        for program in ("orchard", "orchard-maps", "orchard-gis"):
             before = published()
             upgrade(programs / program)
             # until a run decides, the old season stands as a whole, and says so

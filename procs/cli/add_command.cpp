@@ -8,10 +8,23 @@
 
 namespace orchard::cli {
 
-CLI::App& add_subcommand(CLI::App& app, const char* name) { return *app.add_subcommand(name); }
+CLI::App& add_subcommand(CLI::App& app, const char* name) {
+  return *app.add_subcommand(name)->group("Commands");
+}
 
 CLI::App& add_group(CLI::App& app, const char* name) {
-  return *app.add_subcommand(name)->require_subcommand(1);
+  CLI::App& command = add_subcommand(app, name);
+  add_version(command);
+  return *command.require_subcommand(1);
+}
+
+void add_version(CLI::App& command) {
+  command.set_version_flag("-V,--version", "orchard " ORCHARD_VERSION,
+                           "print the version and exit");
+}
+
+void before_arguments(CLI::App& command, std::function<void(std::size_t)> callback) {
+  command.preparse_callback(std::move(callback));
 }
 
 void on_command(CLI::App& command, std::function<void()> callback) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -26,6 +27,12 @@ CLI::App& add_subcommand(CLI::App& app, const char* name);
 /// Adds one that needs a subcommand.
 CLI::App& add_group(CLI::App& app, const char* name);
 
+/// Adds --version, which the help shows after the options that were added before.
+void add_version(CLI::App& command);
+
+/// Calls `callback` when the command line has the command, before its arguments are read.
+void before_arguments(CLI::App& command, std::function<void(std::size_t)> callback);
+
 /// Calls `callback` if the command line ends with this command, without a subcommand.
 void on_command(CLI::App& command, std::function<void()> callback);
 
@@ -47,14 +54,17 @@ int run_command(const CLI::App& command, int (*function)(const Options&), const 
   return function ? function(options) : replace_by_program(program_of(command));
 }
 
-/// Adds a subcommand with the options that `declare` adds. They live in a closure on the heap, as
-/// long as the App that fills them.
+/// Adds a subcommand with the options that `declare` adds, if the command line has it: dozens of
+/// commands have hundreds. They live in a closure on the heap, as long as the App that fills them.
 template <class Options>
 void add_command(CLI::App& app, Run& run, const char* name, int (*function)(const Options&),
                  void (*declare)(CLI::App&, Options&)) {
   const auto options = std::make_shared<Options>();
   CLI::App& command = add_subcommand(app, name);
-  declare(command, *options);
+  before_arguments(command, [&command, options, declare](std::size_t) {
+    declare(command, *options);
+    add_version(command);
+  });
   on_command(command, [&run, &command, options, function] {
     run = [&command, options, function] { return run_command(command, function, *options); };
   });

@@ -147,10 +147,9 @@ void describe(CLI::Option& option, const HelpText& own, const HelpText& common,
   throw std::logic_error("help.txt says nothing of " + title + " " + name);
 }
 
-/// Adds --version to every command, and what help.txt says of it, with the paths of the rigs of
-/// config/. Call it after all commands have been added.
+/// Adds what help.txt says of every command, with the paths of the rigs of config/. Only who asks
+/// for help needs it.
 void finish_help(CLI::App& app, const HelpText& common) {
-  app.set_version_flag("-V,--version", "orchard " ORCHARD_VERSION, "print the version and exit");
   if (CLI::Option* help = app.get_help_ptr()) help->description("print this help and exit");
   const std::string title = title_of(app);
   const HelpText own = help_of(title);
@@ -162,7 +161,6 @@ void finish_help(CLI::App& app, const HelpText& common) {
   app.footer(
       replace_all(app.get_footer(), std::string(kConfigFolder) + "/", config_folder() + "/"));
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    command->group("Commands");
     finish_help(*command, common);
   }
 }
@@ -274,8 +272,10 @@ int run_command_line(int given_argc, char** given_argv) {
       "input file.");
   Run run;
   add_all_commands(app, run);
-  app.add_subcommand("help", "Explain a command, for example: orchard help map");
-  finish_help(app, help_of("options"));
+  add_version(app);
+  CLI::App& help = add_subcommand(app, "help");
+  help.description("Explain a command, for example: orchard help map");
+  add_version(help);
 
   std::string problem;
   const CLI::App* command = find_command(app, argc, argv, problem);
@@ -285,6 +285,7 @@ int run_command_line(int given_argc, char** given_argv) {
       app.parse(argc, argv);
       return run_and_report(run, title);
     } catch (const CLI::Success& success) {
+      finish_help(app, help_of("options"));
       return app.exit(success);
     } catch (const CLI::ParseError& error) {
       problem = usage_problem(*command, error, argc, argv);

@@ -54,6 +54,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   CLI::App& evaluate = add_subcommand(app, "evaluate");
   const auto options = std::make_shared<EvaluateOptions>();
   add_map_options(evaluate, *options, false);
+  add_version(evaluate);
   on_command(evaluate, [&run, &evaluate, options] {
     if (options->map_path.empty()) throw CLI::RequiredError("map");
     if (options->truth_path.empty()) throw CLI::RequiredError("--truth");

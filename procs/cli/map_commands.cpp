@@ -157,10 +157,12 @@ void add_history_words(EditCommands& words) {
 }
 
 void add_edit(CLI::App& app, Run& run) {
-  EditCommands words(add_group(app, "edit"), run, std::make_shared<EditOptions>());
+  CLI::App& edit = add_group(app, "edit");
+  EditCommands words(edit, run, std::make_shared<EditOptions>());
   add_tree_words(words);
   add_number_words(words);
   add_history_words(words);
+  for (CLI::App* word : edit.get_subcommands([](CLI::App*) { return true; })) add_version(*word);
 }
 
 void add_plan_options(CLI::App& command, io::PlanFileOptions& file,

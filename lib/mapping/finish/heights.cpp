@@ -91,11 +91,26 @@ std::vector<Height> heights_near(const pose::GroundProfile& ground,
   return taken;
 }
 
-/// The mean distance of the points whose mean a height is.
-double from_trunk_m(const Height& h) { return std::hypot(h.way_m.norm(), kFromMiddle_m); }
+/// By how much two heights' ways from the trunk are one, twice [m]: a class of roughness makes a
+/// variance of it.
+MatrixXd shared_ways_m(const std::vector<Height>& heights) {
+  const auto num = static_cast<Eigen::Index>(heights.size());
+  MatrixXd shared_m(num, num);
+  VectorXd from_trunk_m(num);  // the mean distance of the points whose mean a height is
+  for (Eigen::Index i = 0; i < num; ++i) {
+    const Height& a = heights[static_cast<std::size_t>(i)];
+    from_trunk_m(i) = std::hypot(a.way_m.norm(), kFromMiddle_m);
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const Height& b = heights[static_cast<std::size_t>(j)];
+      const double apart_m = std::hypot((a.way_m - b.way_m).norm(), kWithinMean_m);
+      shared_m(i, j) = from_trunk_m(i) + from_trunk_m(j) - apart_m;
+    }
+  }
+  return shared_m;
+}
 
 /// The height at the trunk on ground of a roughness: a plane, and from the trunk on a random walk.
-Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
+Estimate estimate(const std::vector<Height>& heights, const MatrixXd& shared_m, double walk_m2pm) {
   const auto num = static_cast<Eigen::Index>(heights.size());
   MatrixXd K(num, num), X(num, 3);
   VectorXd z(num);
@@ -105,9 +120,8 @@ Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
     z(i) = a.z_m - heights.front().z_m;
     for (Eigen::Index j = 0; j <= i; ++j) {
       const Height& b = heights[static_cast<std::size_t>(j)];
-      const double apart_m = std::hypot((a.way_m - b.way_m).norm(), kWithinMean_m);
-      K(i, j) = 0.5 * walk_m2pm * (from_trunk_m(a) + from_trunk_m(b) - apart_m) +
-                std::min(a.variance_m2, b.variance_m2) + a.tilt_sd_m * b.tilt_sd_m;
+      K(i, j) = 0.5 * walk_m2pm * shared_m(i, j) + std::min(a.variance_m2, b.variance_m2) +
+                a.tilt_sd_m * b.tilt_sd_m;
     }
     K(i, i) += a.own_variance_m2;
   }
@@ -133,10 +147,11 @@ Estimate estimate(const std::vector<Height>& heights, double walk_m2pm) {
 
 /// The mean over the classes of roughness, each as likely as it makes these heights.
 Estimate estimate(const std::vector<Height>& heights) {
+  const MatrixXd shared_m = shared_ways_m(heights);
   std::vector<Estimate> of_class;
   double least = std::numeric_limits<double>::infinity();
   for (double density_m3 = kBestRoad_m3; of_class.size() < kClasses; density_m3 *= kPerClass) {
-    of_class.push_back(estimate(heights, kWalkOfDensity_perm2 * density_m3));
+    of_class.push_back(estimate(heights, shared_m, kWalkOfDensity_perm2 * density_m3));
     least = std::min(least, of_class.back().unlikely);
   }
   double sum = 0.0, z_m = 0.0, variance_m2 = 0.0;

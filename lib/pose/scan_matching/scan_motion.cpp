@@ -267,6 +267,7 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
   const Eigen::Vector3d* start = &guesses.front();
   double best_score = -1.0;
   for (const Eigen::Vector3d& guess : guesses) {
+    if (guesses.size() == 1) break;  // nothing to choose
     const double fit = score(points, guess, kSearchKernel_m);
     if (fit > best_score + 0.01) {
       best_score = fit;
@@ -388,7 +389,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   } else {
     Eigen::Vector3d straight_on = last_motion_;
     straight_on.z() = 0.0;
-    guesses.push_back(compose(T_map_base_, last_motion_));
+    if (expected.T_from_to != last_motion_) guesses.push_back(compose(T_map_base_, last_motion_));
     guesses.push_back(compose(T_map_base_, straight_on));
     guesses.push_back(T_map_base_);
     if (predicted) guesses.push_back(compose(T_map_base_, *predicted));

@@ -30,21 +30,22 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
 }
 
 void Beams::validate(const Scan& scan) {
-  const double nearest_m = std::max(scan.range_min_m, config_.range_min_m);
+  const double nearest_m =
+      std::max({scan.range_min_m, config_.range_min_m, static_cast<double>(kErrorCodes_m)});
   const double farthest_m = std::min(scan.range_max_m, config_.range_max_m);
   ranges_m_.assign(scan.ranges_m.size(), 0.0f);
   blocked_.assign(scan.ranges_m.size(), 0);
   const BlindSector blind_sector = config_.blind_sector();
+  const bool has_blind = blind_sector.half_width_rad > 0.0;
   const float no_return_m = static_cast<float>(scan.range_max_m);
   for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
     const float range_m = scan.ranges_m[i];
-    if (blind_sector.contains(scan.bearing_rad(static_cast<double>(i)))) {
+    if (has_blind && blind_sector.contains(scan.bearing_rad(static_cast<double>(i)))) {
       blocked_[i] = 1;
-    } else if (!(range_m >= kErrorCodes_m) || range_m == no_return_m) {
-      // NaN, an error code, or exactly the maximum range, which some drivers send for no return
-    } else if (range_m >= nearest_m && range_m <= farthest_m) {
+    } else if (range_m >= nearest_m && range_m <= farthest_m && range_m != no_return_m) {
       ranges_m_[i] = range_m;
-    } else {
+    } else if (range_m >= kErrorCodes_m && range_m != no_return_m) {
+      // Not NaN, an error code, or the maximum range, which some drivers send for no return.
       // A surface that continues just beyond the maximum range has no visible end there.
       const bool cut_off = range_m > farthest_m && range_m <= farthest_m + jump_m(farthest_m);
       blocked_[i] = cut_off || range_m < nearest_m;

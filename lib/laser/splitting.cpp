@@ -15,13 +15,23 @@
 #include "laser/tuning.hpp"
 
 namespace orchard::laser {
-Candidate part_of(const Beams& beams, const Candidate& candidate, std::ptrdiff_t first,
-                  std::ptrdiff_t last) {
+namespace {
+
+/// The part without its number of beams.
+Candidate bounded(const Candidate& candidate, std::ptrdiff_t first, std::ptrdiff_t last) {
   Candidate part = candidate;
   part.first = first;
   part.last = last;
   if (first > candidate.first) part.touches_before = true, part.hidden_before = false;
   if (last < candidate.last) part.touches_after = true, part.hidden_after = false;
+  return part;
+}
+
+}  // namespace
+
+Candidate part_of(const Beams& beams, const Candidate& candidate, std::ptrdiff_t first,
+                  std::ptrdiff_t last) {
+  Candidate part = bounded(candidate, first, last);
   part.num_beams = 0;
   for_each_beam(beams, part, [&](std::ptrdiff_t) { ++part.num_beams; });
   return part;
@@ -128,7 +138,9 @@ double range_of_circle_m(const CircleFit& circle, const Direction& direction) {
 }  // namespace
 
 Candidate BestSplit::part(const Candidate& candidate, std::size_t from, std::size_t to) const {
-  return part_of(beams_, candidate, positions_[from], positions_[to - 1]);
+  Candidate part = bounded(candidate, positions_[from], positions_[to - 1]);
+  part.num_beams = static_cast<int>(to - from);
+  return part;
 }
 
 void BestSplit::extend_explanation(std::size_t from, std::size_t to, double cost, Kind kind) {

@@ -38,8 +38,8 @@ std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
   return pairs;
 }
 
-std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
-  const std::int64_t exposure_utime = image.utime - delay_us_;
+std::vector<ScanImagePair> ScanImagePairer::add(std::shared_ptr<const vision::Image> image) {
+  const std::int64_t exposure_utime = image->utime - delay_us_;
   scans_.reach(kImage, exposure_utime);
   if (timed_out_scan_utime_ != Queue::kNever &&
       exposure_utime <= timed_out_scan_utime_ + tolerance_us_) {
@@ -48,7 +48,7 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
   const auto after = std::upper_bound(
       images_.begin(), images_.end(), exposure_utime,
       [](std::int64_t utime, const Exposed& other) { return utime < other.utime; });
-  images_.insert(after, {exposure_utime, std::make_shared<const vision::Image>(std::move(image))});
+  images_.insert(after, {exposure_utime, std::move(image)});
   std::vector<ScanImagePair> pairs = release();
   forget_old();
   return pairs;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "detection/motion.hpp"
@@ -37,7 +38,10 @@ class ScanImagePairer {
   /// Adds a scan. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(laser::Scan scan);
   /// Adds an image. Returns the pairs that are complete now.
-  std::vector<ScanImagePair> add(vision::Image image);
+  std::vector<ScanImagePair> add(std::shared_ptr<const vision::Image> image);
+  std::vector<ScanImagePair> add(vision::Image image) {
+    return add(std::make_shared<const vision::Image>(std::move(image)));
+  }
   /// Adds a motion. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(const Motion& motion);
   /// Releases all waiting scans.

@@ -180,7 +180,10 @@ std::unique_ptr<PrecomputedDetections> DetectionPrecomputer::precompute(const bu
     precomputed->scan_alone_ = rear;
     return precomputed;
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-    if (rig_.has_camera) pairs = pairer_.add(*image);
+    if (rig_.has_camera) {
+      precomputed->image = std::make_shared<const vision::Image>(*image);
+      pairs = pairer_.add(precomputed->image);
+    }
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
     pairs = pairer_.add(
         detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
@@ -248,7 +251,11 @@ void DetectorNode::use(const bus::Message& input, const bus::Outbox& send) {
     if (!precomputed_) findings_.back() = detection::find_by_laser(*scan, rig_);
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-    if (rig_.has_camera) pairs = pairer_.add(*image);
+    if (rig_.has_camera) {
+      pairs = pairer_.add(precomputed_ && precomputed_->image
+                              ? precomputed_->image
+                              : std::make_shared<const vision::Image>(*image));
+    }
   } else if (const auto* rear = std::get_if<laser::RearScan>(&input)) {
     if (!joiner_) return;
     health_.note_rear_scan(*rear);

@@ -81,6 +81,8 @@ class PrecomputedDetections : public bus::Precomputation {
  public:
   void compute() override;
 
+  /// The picture, if the input is one that is paired.
+  std::shared_ptr<const vision::Image> image;
   /// The result for a scan without a camera; none for any other input.
   std::optional<detection::DetectResult> alone;
   /// The scan-image pairs completed by the input, in order.

@@ -55,6 +55,15 @@ std::vector<double> brightness(const PixelBlock& block) {
   return grey;
 }
 
+/// Binomial smoothing of three values `step` apart, except at the ends of the array.
+std::vector<double> smoothed(const std::vector<double>& values, std::size_t step) {
+  std::vector<double> smooth(values.size());
+  for (std::size_t i = step; i + step < values.size(); ++i) {
+    smooth[i] = 0.25 * values[i - step] + 0.5 * values[i] + 0.25 * values[i + step];
+  }
+  return smooth;
+}
+
 }  // namespace
 
 Sharpness sharpness(const PixelBlock& block) {
@@ -62,23 +71,15 @@ Sharpness sharpness(const PixelBlock& block) {
   Sharpness result;
   if (width < kMinSide_px || height < kMinSide_px) return result;
   const std::vector<double> grey = brightness(block);
-  const auto at = [&](int x, int y) {
-    return grey[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                static_cast<std::size_t>(x)];
-  };
-  // Binomial smoothing along rows and columns suppresses pixel noise.
-  const auto smooth = [&](int x, int y) {
-    const auto row = [&](int v) {
-      return 0.25 * at(x - 1, v) + 0.5 * at(x, v) + 0.25 * at(x + 1, v);
-    };
-    return 0.25 * row(y - 1) + 0.5 * row(y) + 0.25 * row(y + 1);
-  };
+  // Smoothing along rows and columns suppresses pixel noise.
+  const auto columns = static_cast<std::size_t>(width);
+  const std::vector<double> smooth = smoothed(smoothed(grey, 1), columns);
   double sum = 0.0, sum_squares = 0.0, energy = 0.0;
   int num = 0;
   for (int y = 1; y + 2 < height; ++y) {
     for (int x = 1; x + 2 < width; ++x) {
-      const double here = smooth(x, y);
-      const double dx = smooth(x + 1, y) - here, dy = smooth(x, y + 1) - here;
+      const double* pixel = &smooth[static_cast<std::size_t>(y) * columns + x];
+      const double here = *pixel, dx = pixel[1] - here, dy = pixel[width] - here;
       sum += here;
       sum_squares += here * here;
       energy += dx * dx + dy * dy;

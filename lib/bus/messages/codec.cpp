@@ -135,9 +135,12 @@ void check(FieldCheck& c, const laser::Scan& scan) {
             Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
   // ROS drivers send +inf for no return and NaN or -inf for a failed beam (REP 117); all readers of
   // ranges treat them as no return.
-  for (const float range_m : scan.ranges_m) {
-    const bool usual = range_m >= 0.0f && range_m <= 1e5f;
-    if (!usual && std::isfinite(range_m)) c.field("ranges_m", range_m, 0, 1e5);
+  int num_unusual = 0;  // counted without branches, several at a time
+  for (const float range_m : scan.ranges_m) num_unusual += !((range_m >= 0) & (range_m <= 1e5f));
+  if (num_unusual > 0) {
+    for (const float range_m : scan.ranges_m) {
+      if (std::isfinite(range_m)) c.field("ranges_m", range_m, 0, 1e5);
+    }
   }
   for (const float intensity : scan.intensities) {
     c.require(std::isfinite(intensity), Reason::kNotFinite, "an intensity is not finite");

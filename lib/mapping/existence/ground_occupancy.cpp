@@ -53,6 +53,12 @@ bool GroundOccupancy::Votes::is_passable() const {
   return num_passes >= tuning::kReturnWeight * num_returns;
 }
 
+/// Whether the votes that are still to come cannot change the answer.
+bool GroundOccupancy::Votes::are_decided() const {
+  return num_passes >= tuning::kReturnWeight * (tuning::kVotes - num_passes) ||
+         tuning::kReturnWeight * num_returns > tuning::kVotes - num_returns;
+}
+
 /// Calls visit(scan, squared distance) for stored scans within reach of the position, nearest
 /// first, until it returns false. A few of the hundreds within reach decide, so they are looked for
 /// in rings, and a ring is a heap from which only those are taken.
@@ -102,7 +108,7 @@ GroundOccupancy::Votes GroundOccupancy::votes_at(const Eigen::Vector2d& p_map) {
         beams->at(geometry::inverse_transform(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
     votes.num_passes += answer.evidence == FreeSpaceEvidence::kPassesThrough;
     votes.num_returns += answer.evidence == FreeSpaceEvidence::kReturns;
-    return votes.num_passes + votes.num_returns < tuning::kVotes;
+    return !votes.are_decided();
   });
   return votes;
 }

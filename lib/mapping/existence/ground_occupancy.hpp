@@ -52,6 +52,7 @@ class GroundOccupancy {
     int num_passes = 0, num_returns = 0;
     bool is_driven = false;
     bool is_passable() const;
+    bool are_decided() const;
   };
   bool is_open(const Eigen::Vector2d& from_map, const Eigen::Vector2d& to_map, double half_depth_m,
                double clear_m);

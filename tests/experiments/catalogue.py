@@ -421,8 +421,9 @@ EXPERIMENTS = {
             "its map against the log's; against that of what its host heard", "the same bytes", "the same"),
         Row("day", "24 h of driving in one process, twice", "the same bytes", "the same"),
         Row("pictures", "an hour of driving with pictures at five times real time, one of two cores busy: messages lost by the mapper, by the detector; the mapper's own memory, per "
-            "hour; more processor of it for a minute of driving in the last third than in the second", "0, 0; 10 MiB; 10 %", "the same",
-            "The growth of its memory is **missed**."),
+            "hour, with photographs of up to 8 MB in all, and of up to 1 MB; more processor of it for a minute of driving in the last third "
+            "than in the second", "0, 0; 10 MiB; 10 %", "the same",
+            "**Missed** while the album fills up to its limit (`mapper.album.max_mb`), which it does once."),
     ]),
     "bombs": Experiment("In the field", command="tests/system/bombs/bombs.py", rows=[
         Row("bombs", "40 kinds of files made to exhaust who reads them, or that name another place: not refused, connections; "

@@ -7,14 +7,6 @@
 #include "io/config/config.hpp"
 #include "mapper/mapper_process.hpp"
 
-namespace {
-
-/// Larger blocks go back to the system when they are freed: glibc would raise this limit with every
-/// larger one, and the mapper would keep what its largest save took.
-constexpr int kReturned_bytes = 1 << 20;
-
-}  // namespace
-
 int main(int argc, char** argv) {
   std::string folder;
   bool lockstep = false;
@@ -32,7 +24,6 @@ int main(int argc, char** argv) {
   info.lockstep = &lockstep;
   orchard::io::RigFile rig;
   ::mallopt(M_ARENA_MAX, 1);  // what a save takes, the next one takes again, whatever its thread
-  ::mallopt(M_MMAP_THRESHOLD, kReturned_bytes);
   orchard::procs::MapperProcess mapper;
   return orchard::bus::run_node_process(
       argc, argv, info, rig,

@@ -37,7 +37,7 @@ class ScanImagePairer {
 
   /// Adds a scan. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(laser::Scan scan);
-  /// Adds an image. Returns the pairs that are complete now.
+  /// Adds an image, never null. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(std::shared_ptr<const vision::Image> image);
   std::vector<ScanImagePair> add(vision::Image image) {
     return add(std::make_shared<const vision::Image>(std::move(image)));

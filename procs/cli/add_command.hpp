@@ -30,7 +30,8 @@ CLI::App& add_group(CLI::App& app, const char* name);
 /// Adds --version, which the help shows after the options that were added before.
 void add_version(CLI::App& command);
 
-/// Calls `callback` when the command line has the command, before its arguments are read.
+/// Calls `callback` when the command line has the command, before its arguments are read, with
+/// their number.
 void before_arguments(CLI::App& command, std::function<void(std::size_t)> callback);
 
 /// Calls `callback` if the command line ends with this command, without a subcommand.

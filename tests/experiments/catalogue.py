@@ -420,9 +420,9 @@ EXPERIMENTS = {
         Row("levelled", "a robot that sways on a slope, scans levelled by its IMU, live over a link that delays by 20 ms and repeats a tenth: "
             "its map against the log's; against that of what its host heard", "the same bytes", "the same"),
         Row("day", "24 h of driving in one process, twice", "the same bytes", "the same"),
-        Row("pictures", "an hour of driving with pictures at five times real time, one of two cores busy: messages lost by the mapper, by the detector; the mapper's own memory, per "
+        Row("pictures", "an hour of driving with pictures at five times real time, other work on both cores: messages lost by the mapper, by the detector; the mapper's own memory, per "
             "hour, with photographs of up to 8 MB in all, and of up to 1 MB; more processor of it for a minute of driving in the last third "
-            "than in the second", "0, 0; 10 MiB; 10 %", "the same",
+            "than in the second, likewise", "0, 0; 10 MiB; 10 %", "the same",
             "**Missed** while the album fills up to its limit (`mapper.album.max_mb`), which it does once."),
     ]),
     "bombs": Experiment("In the field", command="tests/system/bombs/bombs.py", rows=[

@@ -150,7 +150,7 @@ void DeadReckoning::add(const Odometry& odometry) {
 }
 
 void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
-                        const Eigen::Matrix3d& covariance) {
+                        const Eigen::Matrix3d& covariance, bool is_guess) {
   if (!T_measured_then.allFinite() || !covariance.allFinite()) return;
   if (utime_ && utime <= *utime_) return;
   if (utime_) {
@@ -160,6 +160,7 @@ void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_measured_th
   }
   // What was extrapolated since the last measurement is part of the measured motion.
   motion_.append(geometry::between(ahead_, T_measured_then), covariance);
+  motion_.has_guess |= is_guess;
   ahead_.setZero();
   utime_ = utime;
   if (!started_utime_) started_utime_ = utime;

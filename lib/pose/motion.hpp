@@ -41,6 +41,7 @@ struct RelativeMotion {
   Eigen::Matrix3d calibration_jacobian = Eigen::Matrix3d::Zero();  ///< d(delta) / d(calibration)
   OdometryCalibration calibration = OdometryCalibration::Zero();   ///< linearisation point
   double travel_m = 0.0;                                           ///< length of the path, >= 0
+  bool has_guess = false;  ///< of a part that neither wheels nor scans tell: delta may be far off
 
   /// Returns delta for another calibration, to first order.
   Eigen::Vector3d delta_with(const OdometryCalibration& other) const;
@@ -67,9 +68,10 @@ class DeadReckoning {
   /// reading, as encoders measure it.
   void add(const Odometry& odometry);
 
-  /// Appends a measured motion, from the time of the last measurement to `utime`.
+  /// Appends a measured motion, from the time of the last measurement to `utime`. `is_guess`: it
+  /// takes the place of one that could not be measured.
   void add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
-           const Eigen::Matrix3d& covariance);
+           const Eigen::Matrix3d& covariance, bool is_guess = false);
 
   /// Extrapolates to `utime` at the last velocity; does nothing for an earlier `utime`.
   void advance_to(std::int64_t utime);

@@ -348,6 +348,7 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
       covariance(1, 1) += geometry::square(kSideways * m.travel_m);
       covariance *= surprise_;
       expected.T_from_to = m.delta;
+      expected.is_guess = false;
       expected.is_measured =
           (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();
       if (expected.is_measured) {
@@ -373,6 +374,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   motion.utime_to = scan.utime;
   motion.T_from_to = expected.T_from_to;
   motion.covariance = expected.covariance;
+  motion.is_guess = expected.is_guess;
   const bool mends = expected.is_measured && !was_reliable_;
   const Eigen::Matrix3d P_before = mends ? P_base_ : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
   P_base_ = expected.P_base;
@@ -429,6 +431,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   P_base_ = R.transpose() * P * R;
   P_base_ = 0.5 * (P_base_ + P_base_.transpose()).eval();
   motion.reliable = match.score >= kScoreReliable && is_sure(P_base_) && !is_contradicted;
+  motion.is_guess = expected.is_guess && !motion.reliable;
   // A good fit after a poor one also mends the motion before.
   motion.covariance = P_base_ + P_before;
   return motion;

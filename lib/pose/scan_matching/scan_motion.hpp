@@ -92,6 +92,7 @@ struct MeasuredMotion {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of T_from_to
   double matched = 0.0;   ///< fraction of the later scan's points that match the local map
   bool reliable = false;  ///< false: the motion is a prediction or a guess
+  bool is_guess = true;   ///< neither a reliable match nor the wheels tell it
 };
 
 /// Estimates the motion of base from scans, by registering each scan to a local map of the previous
@@ -122,7 +123,8 @@ class ScanMotion {
     Eigen::Vector3d T_from_to;
     Eigen::Matrix3d covariance;  ///< of the motion
     Eigen::Matrix3d P_base;      ///< of base in the local map, after it
-    bool is_measured = false;    ///< by the wheels
+    bool is_guess = true;        ///< the wheels tell nothing
+    bool is_measured = false;    ///< by the wheels, surely enough to help
   };
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);

@@ -199,10 +199,6 @@ Eigen::Vector3d bend_variance() {
   return {kBendSd_m * kBendSd_m, kBendSd_m * kBendSd_m, kBendSd_rad * kBendSd_rad};
 }
 
-double position_sd_m(const Eigen::Matrix3d& P) {
-  return std::sqrt(std::max({P(0, 0), P(1, 1), 0.0}));
-}
-
 double distance2(const RelativePose& r, const SlamGraph& graph, const Eigen::Matrix3d& P) {
   Eigen::Vector3d e =
       between(graph.keyframes[r.from].T_map_base, graph.keyframes[r.to].T_map_base) - r.T_from_to;

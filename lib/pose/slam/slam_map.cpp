@@ -23,10 +23,13 @@ namespace {
 
 using Interval = std::pair<double, double>;  // of travel [m]
 
-/// Returns the intervals of travel in which landmarks tracked now were observed, plus a margin.
-std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start, double range_m) {
+/// Returns the intervals of travel in which landmarks tracked now were observed, plus a margin that
+/// does not reach back before the keyframe `joined_from`.
+std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start, int joined_from,
+                                        double range_m) {
   const double margin_m = kCovisibleTravel_ranges * range_m;
   const std::vector<Keyframe>& keyframes = graph.keyframes;
+  const double joined_m = keyframes[joined_from].travel_m;
   std::vector<int> observed;
   for (int k = static_cast<int>(keyframes.size()) - 1; k >= session_start; --k) {
     if (keyframes.back().travel_m - keyframes[k].travel_m > kTrackedTravel_ranges * range_m) break;
@@ -38,7 +41,9 @@ std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_star
   for (const int l : observed) {
     if (!graph.landmarks[l].confirmed) continue;
     for (const int k : graph.landmarks[l].keyframes) {
-      intervals.emplace_back(keyframes[k].travel_m - margin_m, keyframes[k].travel_m + margin_m);
+      const double travel_m = keyframes[k].travel_m;
+      const double first_m = k >= joined_from ? joined_m : 0.0;
+      intervals.emplace_back(std::max(first_m, travel_m - margin_m), travel_m + margin_m);
     }
   }
   std::sort(intervals.begin(), intervals.end());
@@ -89,12 +94,17 @@ constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace
 
+double position_sd_m(const Eigen::Matrix3d& P) {
+  return std::sqrt(std::max({P(0, 0), P(1, 1), 0.0}));
+}
+
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
-                           int session_start, double range_m, double radius_m) {
+                           int session_start, int joined_from, double range_m, double radius_m) {
   std::vector<int> found;
   if (graph.keyframes.empty()) return found;
   const Keyframe& now = graph.keyframes.back();
-  const std::vector<Interval> intervals = tracked_intervals(graph, session_start, range_m);
+  const std::vector<Interval> intervals =
+      tracked_intervals(graph, session_start, joined_from, range_m);
   for (const int l : index.near(now.T_map_base.head<2>(), radius_m)) {
     const SlamLandmark& landmark = graph.landmarks[l];
     if (!landmark.alive || landmark.keyframes.empty()) continue;
@@ -116,8 +126,7 @@ SlamMap::SlamMap(const SlamConfig& config, std::shared_ptr<ChunkAllocator> memor
 }
 
 double SlamMap::local_sd_m() const {
-  const Eigen::Matrix3d& P = graph.keyframes.back().local_covariance;
-  return std::sqrt(std::max(P(0, 0), P(1, 1)));
+  return position_sd_m(graph.keyframes.back().local_covariance);
 }
 
 bool SlamMap::is_session_georeferenced() const {
@@ -138,11 +147,18 @@ CalibrationPrior SlamMap::calibration_at(int interval) const {
 void SlamMap::start_session(bool was_lost) {
   lost = lost || was_lost;
   session_start = newest();
+  if (graph.keyframes.back().motion.has_guess && local_sd_m() > config_.lost_sd_m) {
+    severed_at_ = session_start;
+  }
   graph.keyframes.back().local_covariance.setZero();
 }
 
 void SlamMap::refresh_local() {
-  local = local_map(graph, index, session_start, detection_range_m(),
+  // Where the motion to the session was guessed, what was seen before may lie anywhere, and in a
+  // row some trunk of it fits: unless the pose is known otherwise, a loop closure has to join it.
+  const bool is_placed = position_sd_m(graph.keyframes.back().covariance) <= config_.lost_sd_m;
+  const int joined_from = is_placed ? 0 : std::min(session_start, severed_at_);
+  local = local_map(graph, index, session_start, joined_from, detection_range_m(),
                     detection_range_m() + kLocalMapMargin_m);
 }
 

@@ -21,13 +21,17 @@ namespace orchard::pose {
 /// landmark is in view over twice the range while the robot passes it.
 inline constexpr double kRecentTravel_ranges = 2.0;
 
+/// Returns the standard deviation of a pose's position along the axis where it is larger [m].
+double position_sd_m(const Eigen::Matrix3d& covariance);
+
 /// Returns the landmarks, ascending, whose position relative to the robot is certain enough for the
 /// association of single observations: those observed within the last kRecentTravel_ranges of
 /// travel of the session, and those covisible with tracked ones on any pass. Other nearby landmarks
 /// may be displaced by drift and are left to loop closure. `session_start` is the first keyframe of
-/// the session, `range_m` the sight range, `radius_m` the search radius about the robot.
+/// the session, `range_m` the sight range, `radius_m` the search radius about the robot; being
+/// tracked after the keyframe `joined_from` tells nothing of what was seen only before it.
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
-                           int session_start, double range_m, double radius_m);
+                           int session_start, int joined_from, double range_m, double radius_m);
 
 /// What a loop closer has done: searches among older landmarks or scans, accepted closures, those
 /// undone after the solve, and a measure of cost without a clock.
@@ -112,8 +116,9 @@ class SlamMap {
   int merge_same_trees();
   void rebuild_index();
 
-  SlamConfig config_;  ///< submap_length_m grows with the work of the solves
-  int num_kept_ = 0;   ///< keyframes whose observations archive_old_observations() has moved
+  SlamConfig config_;   ///< submap_length_m grows with the work of the solves
+  int severed_at_ = 0;  ///< first keyframe of the last session to which the motion was guessed
+  int num_kept_ = 0;    ///< keyframes whose observations archive_old_observations() has moved
 };
 
 /// Undoes a wrong loop closure: merges and a solve of the whole graph. It stores what these change,

@@ -71,7 +71,7 @@ void TrunkSlam::add(const Measurement& measurement) {
     scan_ = *scan;
     if (!scan_motion_) return;
     if (const auto motion = scan_motion_->add(*scan)) {
-      motion_.add(motion->utime_to, motion->T_from_to, motion->covariance);
+      motion_.add(motion->utime_to, motion->T_from_to, motion->covariance, motion->is_guess);
       add_blind_keyframe();
     }
   } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {

@@ -110,6 +110,19 @@ TEST(DeadReckoning, AReadingThatFollowsTellsAllTheTimeBetween) {
   }
 }
 
+TEST(DeadReckoning, AGuessIsRememberedUntilTheNextMotionBegins) {
+  const Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  DeadReckoning reckoning{SlamConfig{}};
+  reckoning.advance_to(0);
+  reckoning.add(1'000'000, {0.5, 0.0, 0.0}, covariance);
+  EXPECT_FALSE(reckoning.motion().has_guess);
+  reckoning.add(2'000'000, {0.5, 0.0, 0.0}, covariance, true);
+  reckoning.add(3'000'000, {0.5, 0.0, 0.0}, covariance);
+  EXPECT_TRUE(reckoning.motion().has_guess);
+  reckoning.restart(OdometryCalibration::Zero());
+  EXPECT_FALSE(reckoning.motion().has_guess);
+}
+
 TEST(DeadReckoning, AMeasuredMotionHoldsWhatWasExtrapolated) {
   // Fixes between the scans ask for the pose, and a new motion begins at one of them.
   const Eigen::Vector3d step(0.5, 0.1, 0.2);

@@ -289,6 +289,7 @@ TEST(ScanMotion, TheNextGoodScanMendsWhatWasGuessed) {
     if (!moved) continue;
     const Eigen::Vector3d wrong_m = between(between(path[i - 1], path[i]), moved->T_from_to);
     reached = compose(reached, moved->T_from_to);
+    EXPECT_FALSE(moved->is_guess) << i << ": the wheels told it";
     if (i == 20) {
       EXPECT_GT(wrong_m.x(), 0.25);
     }
@@ -334,6 +335,7 @@ TEST(ScanMotion, AScanWithoutReturnsGoesOnAsExpectedAndSaysSo) {
     if (!step) continue;
     expect_finite(*step);
     EXPECT_EQ(step->reliable, !blind) << i;
+    EXPECT_EQ(step->is_guess, blind) << i;
     if (blind) {
       EXPECT_GT(step->covariance(0, 0), 0.1);
       EXPECT_EQ(step->matched, 0.0);

@@ -82,6 +82,50 @@ TEST(SlamMap, SubmapsGrowWhereReturningFillsTheFactor) {
   EXPECT_LT(farthest_from_ring_m(many), 0.05);
 }
 
+/// A drive along x, a keyframe a metre, of which the first six see landmark 0, the others landmark
+/// 1. At the seventh a session begins, for the motion to it has that standard deviation, and so has
+/// the place in the map of all that follow.
+SlamMap after_a_gap(double motion_sd_m, bool has_guess, double place_sd_m) {
+  SlamMap map{SlamConfig{}};
+  SlamGraph& graph = map.graph;
+  for (int l = 0; l < 2; ++l) {
+    SlamLandmark landmark;
+    landmark.p_map = {5.0 + 2.0 * l, 2.0};
+    landmark.confirmed = true;
+    graph.landmarks.push_back(landmark);
+    map.index.insert(l, landmark.p_map);
+  }
+  for (int k = 0; k < 10; ++k) {
+    Keyframe keyframe;
+    keyframe.T_map_base = {1.0 * k, 0.0, 0.0};
+    keyframe.travel_m = k;
+    keyframe.covariance.diagonal().head<2>().fill(place_sd_m * place_sd_m);
+    keyframe.local_covariance.diagonal().head<2>().fill(motion_sd_m * motion_sd_m);
+    keyframe.motion.has_guess = has_guess;
+    graph.keyframes.push_back(keyframe);
+    if (k == 6) map.start_session(false);
+    const int l = k < 6 ? 0 : 1;
+    graph.add_observation(k, l, graph.landmarks[l].p_map - Eigen::Vector2d(k, 0.0),
+                          1e-4 * Eigen::Matrix2d::Identity(), 0.01);
+    map.coverage.add_observation({8.0, 0.0});
+  }
+  map.refresh_local();
+  return map;
+}
+
+TEST(SlamMap, AfterAGuessedMotionNothingOfBeforeIsMetByChance) {
+  const double far_m = 1.1 * SlamConfig{}.lost_sd_m, near_m = 0.9 * SlamConfig{}.lost_sd_m;
+  const std::vector<int> own{1}, all{0, 1};
+  EXPECT_EQ(after_a_gap(far_m, true, far_m).local, own);
+  EXPECT_EQ(after_a_gap(near_m, true, far_m).local, all) << "began for another reason";
+  EXPECT_EQ(after_a_gap(far_m, false, far_m).local, all) << "where wheels tell is likeliest";
+  EXPECT_EQ(after_a_gap(far_m, true, near_m).local, all) << "fixes tell where it is";
+  SlamMap joined = after_a_gap(far_m, true, far_m);
+  joined.session_start = 0;
+  joined.refresh_local();
+  EXPECT_EQ(joined.local, all);
+}
+
 /// Six keyframes along x; one tree, mapped as landmark 0 by the first three and as 1 by the others.
 SlamMap tree_mapped_twice() {
   SlamMap map{SlamConfig{}};

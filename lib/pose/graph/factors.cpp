@@ -119,8 +119,9 @@ ceres::CostFunction* prior_factor(const Eigen::Matrix<double, Size, 1>& mean,
 BasePlacement::BasePlacement(const Eigen::Vector3d& T_map_base)
     : p_map(T_map_base.head<2>()), R_base_map(rotation(T_map_base.z()).transpose()) {}
 
-ObservationResidual::ObservationResidual(const SlamObservation& observation)
-    : p_base_(observation.position()), W_(whitening(observation.covariance())) {}
+ObservationResidual::ObservationResidual(const SlamObservation& observation, double noise)
+    : p_base_(observation.position()),
+      W_(whitening(Eigen::Matrix2d(noise * observation.covariance()))) {}
 
 Eigen::Matrix<double, 2, 3> ObservationResidual::by_pose(const BasePlacement& base,
                                                          const Eigen::Vector2d& p_map) const {

@@ -33,7 +33,8 @@ struct BasePlacement {
 /// Observation of a landmark by a keyframe. No object on the heap: graphs have 100,000 of them.
 class ObservationResidual {
  public:
-  explicit ObservationResidual(const SlamObservation& observation);
+  /// `noise`: the variance of the observation over what it claims.
+  explicit ObservationResidual(const SlamObservation& observation, double noise = 1.0);
 
   Eigen::Vector2d at(const BasePlacement& base, const Eigen::Vector2d& p_map) const {
     return W_ * (seen(base, p_map) - p_base_);

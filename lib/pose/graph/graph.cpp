@@ -22,10 +22,12 @@ auto find_observation(Observations& observations, int landmark) {
                       [&](const SlamObservation& s) { return s.landmark == landmark; });
 }
 
-/// Adds one observation of a landmark, by a keyframe at T, to its position in map.
-void add_to(PositionSum& sum, const SlamObservation& observation, const Eigen::Vector3d& T) {
+/// Adds one observation of a landmark, by a keyframe at T, to its position in map. `noise`: its
+/// variance over what it claims.
+void add_to(PositionSum& sum, const SlamObservation& observation, const Eigen::Vector3d& T,
+            double noise) {
   const Eigen::Matrix2d R = rotation(T.z());
-  const Eigen::Matrix2d W = R * observation.covariance().inverse() * R.transpose();
+  const Eigen::Matrix2d W = R * (noise * observation.covariance()).inverse() * R.transpose();
   sum.information += W;
   sum.information_m += W * (R * observation.position() + T.head<2>());
 }
@@ -190,7 +192,8 @@ const OlderSums::Sum& SlamGraph::older_sum(int landmark) {
   for (; sum.num_keyframes < observed_by.size(); ++sum.num_keyframes) {
     const int k = observed_by[sum.num_keyframes];
     if (k >= older.first()) break;
-    add_to(sum, *find_observation(keyframes[k].observations, landmark), keyframes[k].T_map_base);
+    add_to(sum, *find_observation(keyframes[k].observations, landmark), keyframes[k].T_map_base,
+           observation_noise);
   }
   return sum;
 }
@@ -201,7 +204,8 @@ void SlamGraph::update_landmark(int landmark, bool update_position) {
   PositionSum sum = older_keyframes;
   for (std::size_t i = older_keyframes.num_keyframes; i < l.keyframes.size(); ++i) {
     const Keyframe& keyframe = keyframes[l.keyframes[i]];
-    add_to(sum, *find_observation(keyframe.observations, landmark), keyframe.T_map_base);
+    add_to(sum, *find_observation(keyframe.observations, landmark), keyframe.T_map_base,
+           observation_noise);
   }
   l.information = sum.information;
   if (update_position && sum.information.determinant() > 0.0)
@@ -213,7 +217,7 @@ void SlamGraph::update_landmarks(const std::vector<Update>& updates) {
   for (const Keyframe& keyframe : keyframes) {
     for (const SlamObservation& o : keyframe.observations) {
       if (updates[o.landmark] == Update::kNone) continue;
-      add_to(sums[o.landmark], o, keyframe.T_map_base);
+      add_to(sums[o.landmark], o, keyframe.T_map_base, observation_noise);
     }
   }
   for (std::size_t l = 0; l < landmarks.size(); ++l) {

@@ -194,6 +194,7 @@ struct SlamGraph {
   Eigen::Vector3d calibration_walk_sd = Eigen::Vector3d::Zero();
   std::vector<ReceiverError> receiver_errors;
   ReceiverModel receiver;
+  double observation_noise = 1.0;  ///< variance of observations over what they claim, learnt
   std::vector<RelativePose> relative_poses;      ///< ascending by `to`
   std::shared_ptr<SlamObservationStore> memory;  ///< stores old observations; null: the heap
   OlderSums older;

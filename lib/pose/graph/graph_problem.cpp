@@ -171,7 +171,8 @@ void GraphProblem::place(const Eigen::VectorXd& values) {
 }
 
 ObservationResidual GraphProblem::residual_of(const Observation& observation) const {
-  if (residuals_.empty()) return ObservationResidual(*observation.observation);
+  if (residuals_.empty())
+    return ObservationResidual(*observation.observation, graph_.observation_noise);
   return residuals_[&observation - observations_.data()];
 }
 
@@ -449,7 +450,9 @@ void GraphProblem::finish() {
   start_ = {};
   if (!is_small_) return;
   kept_.resize(landmarks_.size());
-  for (const Observation& o : observations_) residuals_.emplace_back(*o.observation);
+  for (const Observation& o : observations_) {
+    residuals_.emplace_back(*o.observation, graph_.observation_noise);
+  }
 }
 
 }  // namespace orchard::pose

@@ -16,6 +16,7 @@
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph_problem.hpp"
 #include "pose/graph/normal_equations.hpp"
+#include "pose/graph/observation_noise.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;
@@ -99,6 +100,29 @@ class FullGraphProblem : public GraphProblem {
     if (!GraphProblem::write_to(graph)) return false;
     graph.older.forget();
     return true;
+  }
+
+  /// Returns the variance of the observations over what they claim, by their scatter at the
+  /// solution.
+  double observation_noise() const {
+    ObservationScatter scatter;
+    std::vector<PlacedObservation> placed;
+    for (const Landmark& l : landmarks_) {
+      placed.clear();
+      for (std::size_t s = l.first; s < l.end; ++s) {
+        const Block& pose = blocks_[observations_[s].pose];  // has the number of its keyframe
+        const BasePlacement base(values_.segment<3>(pose.value));
+        const SlamObservation& o = *observations_[s].observation;
+        PlacedObservation& one = placed.emplace_back();
+        one.travel_m = graph_.keyframes[pose.pose].travel_m;
+        one.position.information =
+            base.R_base_map.transpose() * o.covariance().inverse() * base.R_base_map;
+        one.position.information_m =
+            one.position.information * (base.p_map + base.R_base_map.transpose() * o.position());
+      }
+      scatter.add(placed, graph_.landmarks[l.id].seen_m);
+    }
+    return scatter.noise();
   }
 
   /// Returns the covariances at the solution of solve(true); none if the information is singular.
@@ -479,6 +503,7 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
   if (!problem.write_to(graph)) return solution;
   solution.solved = true;
   solution.calibration_covariance = write_covariances(problem, config, graph);
+  graph.observation_noise = problem.observation_noise();
   return solution;
 }
 

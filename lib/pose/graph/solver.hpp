@@ -44,8 +44,8 @@ struct GraphSolution {
 };
 
 /// Solves for all poses, landmarks and calibrations; also writes the covariances of the poses, the
-/// receiver model and the learnt calibration_walk_sd. `after_closure`: solves first without the
-/// robust loss, which would treat the new closure as an outlier.
+/// receiver model, the learnt calibration_walk_sd and observation_noise. `after_closure`: solves
+/// first without the robust loss, which would treat the new closure as an outlier.
 GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config,
                           const SolveLimits& limits = {});
 

@@ -128,9 +128,11 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   out.graph.georeferenced = graph.georeferenced;
   out.graph.receiver_errors = graph.receiver_errors;
   out.graph.receiver = graph.receiver;
+  out.graph.observation_noise = graph.observation_noise;
   out.graph.landmarks.resize(graph.landmarks.size());
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     out.graph.landmarks[l].p_map = graph.landmarks[l].p_map;
+    out.graph.landmarks[l].seen_m = graph.landmarks[l].seen_m;
   }
   std::vector<int> at(graph.landmarks.size(), -1);
   int before = 0;
@@ -209,6 +211,7 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
   graph.calibration_walk_sd = solved.graph.calibration_walk_sd;
   graph.receiver_errors = solved.graph.receiver_errors;
   graph.receiver = solved.graph.receiver;
+  graph.observation_noise = solved.graph.observation_noise;
   std::vector<SlamGraph::Update> updates(graph.landmarks.size(), SlamGraph::Update::kNone);
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     const std::size_t num_submaps = solved.graph.landmarks[l].keyframes.size();

@@ -421,10 +421,12 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
     learn_surprise(surprise_ * distance2 / 3.0);
     is_contradicted = distance2 > kContradictionMax;
   }
-  // A good fit tells that the wheels slip; a poor one that contradicts them is none.
+  // A good fit tells that the wheels slip; a poor one that contradicts them is none. Nor is one to
+  // which no return is drawn from where the wheels expect it: along a row the next trunk fits, too.
+  const bool is_elsewhere = apart.head<2>().norm() > kPairMax_m;
   if (is_contradicted) known = unknown_motion().inverse();
   P = (told + known).inverse();
-  if (!is_contradicted || match.score >= kScoreGood) {
+  if (!is_contradicted || (match.score >= kScoreGood && !is_elsewhere)) {
     motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
   }
   if (is_contradicted) P += apart * apart.transpose();

@@ -264,7 +264,7 @@ Association associate(const std::vector<ScanPoint>& points,
 }
 
 std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
-                                   const SlamConfig& config) {
+                                   double noise, const SlamConfig& config) {
   std::vector<ScanPoint> points;
   points.reserve(seen.trunks.size());
   for (const detection::Detection& t : seen.trunks) {
@@ -285,8 +285,8 @@ std::vector<ScanPoint> scan_points(const detection::Detections& seen, const Scan
         geometry::point_jacobian(point.p_base - motion.T_keyframe_scan.head<2>());
     point.scan_covariance = R * C * R.transpose() + H * motion.covariance * H.transpose();
     point.floor_sd_m = floor_sd_m(t, config);
-    point.covariance =
-        point.scan_covariance + point.floor_sd_m * point.floor_sd_m * Eigen::Matrix2d::Identity();
+    point.covariance = noise * (point.scan_covariance +
+                                point.floor_sd_m * point.floor_sd_m * Eigen::Matrix2d::Identity());
     point.width_m = t.width_m;
     point.width_sd_m = std::max(t.width_sd_m, kWidthSdMin_m);
     if (t.occlusion != 0) point.width_sd_m = std::hypot(point.width_sd_m, t.width_m);

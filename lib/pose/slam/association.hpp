@@ -68,7 +68,8 @@ struct ScanMotionState {
 /// Converts the objects of a scan to points in base at the keyframe, each corrected for the motion
 /// up to its own beam. Wide or occluded objects and those labelled kObject get a larger covariance
 /// because their centre is ill-defined. Objects too far away, too wide or not finite are left out.
+/// `noise`: the variance of observations over what they claim.
 std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
-                                   const SlamConfig& config);
+                                   double noise, const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -357,7 +357,7 @@ double mean_distance2(int landmark, const SlamGraph& graph) {
       ++n;
     }
   }
-  return n > 0 ? sum / n : std::numeric_limits<double>::infinity();
+  return n > 0 ? sum / (graph.observation_noise * n) : std::numeric_limits<double>::infinity();
 }
 
 /// Inlier check after the solve: true if the observations of the merged landmarks fit on average.

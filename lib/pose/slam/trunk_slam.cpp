@@ -152,7 +152,7 @@ void TrunkSlam::add(const detection::Detections& seen) {
   const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(),
                               (1.0 + c[0]) * motion_.speed_mps(),
                               (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
-  tracker_.match(scan_points(seen, state, config_), map_);
+  tracker_.match(scan_points(seen, state, map_.graph.observation_noise, config_), map_);
   if (added) correct();
   if (has_scan && scan_loop_closer_.observe(map_)) tracker_.correct_window(map_);
   watch(seen.utime);

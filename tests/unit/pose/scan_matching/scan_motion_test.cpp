@@ -268,6 +268,43 @@ TEST(ScanMotion, WheelsThatSlipInTurnsAreFoundOut) {
   EXPECT_LT(std::abs(error.z()), 0.005);
 }
 
+TEST(ScanMotion, TheNextTrunkOfARowIsNoSlipOfTheWheels) {
+  // Trunks every 1.1 m, and crates that are carried on by one of them: there all of the scan fits,
+  // though the wheels tell, as surely as they state, that base is not there.
+  constexpr double kSpacing_m = 1.1, kSpeedSd_mps = 0.7;
+  CastWorld row, carried;
+  for (int tree = -30; tree < 40; ++tree) {
+    for (CastWorld* world : {&row, &carried}) {
+      world->circles.push_back({{kSpacing_m * tree, 2.5}, 0.08});
+      world->circles.push_back({{kSpacing_m * tree, -2.5}, 0.08});
+    }
+  }
+  for (int crate = 0; crate < 16; ++crate) {
+    const Eigen::Vector2d p(1.6 * crate - 10.0, crate % 2 == 0 ? 1.3 : -1.3);
+    row.circles.push_back({p, 0.4});
+    carried.circles.push_back({p + Eigen::Vector2d(kSpacing_m, 0.0), 0.4});
+  }
+  ScanMotion motion = motion_of();
+  const Eigen::Vector3d step_m(0.25, 0.0, 0.0);
+  for (int i = 0; i < 12; ++i) {
+    const std::int64_t utime = i * kPeriod_us;
+    if (i > 0) {
+      Odometry odometry = wheels(utime, step_m, 1.0, 1.0);
+      if (i == 11) odometry.covariance = {kSpeedSd_mps * kSpeedSd_mps, 0.0, 1e-4};
+      motion.add(odometry);
+    }
+    const auto moved =
+        motion.add((i < 11 ? row : carried).scan(utime, {0.25 * i, 0.0, 0.0}, nullptr));
+    if (i < 2) continue;  // until the map holds more than one view
+    ASSERT_TRUE(moved);
+    EXPECT_NEAR(moved->T_from_to.x(), 0.25, 0.1) << i;
+    EXPECT_EQ(moved->reliable, i < 11) << i;
+    if (i == 11) {
+      EXPECT_GT(moved->covariance(0, 0), 0.5 * 0.5);
+    }
+  }
+}
+
 TEST(ScanMotion, TheNextGoodScanMendsWhatWasGuessed) {
   // A scan without returns where the wheels slip and say that they may.
   const CastWorld world = orchard_world();

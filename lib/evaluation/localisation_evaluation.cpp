@@ -106,7 +106,8 @@ LocalisationEvaluation evaluate_localisation(const ShadowRun& run, const Track& 
                         state_at(run.states, now.utime), std::nullopt, 0.0};
     bool is_wrong = false;
     const bool is_known = pair != at_truth.compared.end() && pair->utime == now.utime;
-    const bool has_pose = is_known && moment.state == PlaceState::kPlaced;
+    const bool is_told = moment.state == PlaceState::kPlaced;
+    const bool has_pose = is_known && (is_told || moment.state == PlaceState::kUnconfirmed);
     if (has_pose) {
       const Eigen::Vector2d error(pair->truth.x_m - now.x_m, pair->truth.y_m - now.y_m);
       const Eigen::Matrix2d claimed = covariance_at(run.poses, now.utime);
@@ -119,14 +120,15 @@ LocalisationEvaluation evaluate_localisation(const ShadowRun& run, const Track& 
       nees.push_back(d2);
       errors_m.push_back(error.norm());
       if (truth.has_yaw) turns_rad.push_back(std::abs(pair->yaw_error_rad));
-      is_wrong = error.norm() > kWrong_m && d2 > geometry::kChiSquare2_997;
+      is_wrong = is_told && error.norm() > kWrong_m && d2 > geometry::kChiSquare2_997;
       if (!e.first_s) e.first_s = moment.time_s, e.first_m = moment.way_m;
     }
     if (is_known) ++pair;
     // After its last pose a run that claims a place has none, either.
-    if (moment.state == PlaceState::kPlaced && !has_pose) moment.state = PlaceState::kLost;
+    if (moment.state >= PlaceState::kUnconfirmed && !has_pose) moment.state = PlaceState::kLost;
     if (moment.state == PlaceState::kLost) e.lost_s += step_s;
     if (moment.state == PlaceState::kAmbiguous) e.ambiguous_s += step_s;
+    if (moment.state == PlaceState::kUnconfirmed) e.unconfirmed_s += step_s;
     placed.add(has_pose, step_s, step_m);
     wrong.add(is_wrong, step_s, step_m);
     for (std::size_t k = 0; k < kLimits_m.size(); ++k) {
@@ -161,9 +163,8 @@ namespace {
 double share(double part, double all) { return all > 0.0 ? part / all : 0.0; }
 
 const char* word_of(PlaceState state) {
-  return state == PlaceState::kPlaced ? "placed"
-         : state == PlaceState::kLost ? "lost"
-                                      : "ambiguous";
+  constexpr std::array<const char*, 4> kWords{"lost", "ambiguous", "unconfirmed", "placed"};
+  return kWords[static_cast<std::size_t>(state)];
 }
 
 }  // namespace
@@ -172,9 +173,9 @@ std::string localisation_summary(const LocalisationEvaluation& e) {
   std::string text = fmt::format(
       "drive: {:.1f} s, {:.1f} m by the truth; with a pose {:.1f} % of the time and {:.1f} % of "
       "the "
-      "way\nLOST {:.1f} s, AMBIGUOUS {:.1f} s; ",
+      "way\nLOST {:.1f} s, AMBIGUOUS {:.1f} s, UNCONFIRMED {:.1f} s; ",
       e.time_s, e.way_m, 100.0 * share(e.placed_s, e.time_s), 100.0 * share(e.placed_m, e.way_m),
-      e.lost_s, e.ambiguous_s);
+      e.lost_s, e.ambiguous_s, e.unconfirmed_s);
   if (!e.first_s) return text + "no pose at all\n";
   text += fmt::format("first pose after {:.1f} s, {:.1f} m\n", *e.first_s, *e.first_m);
   text += fmt::format("error with a pose: RMS {:.3f}, median {:.3f}, most {:.3f} m",
@@ -219,6 +220,7 @@ std::string localisation_json(const LocalisationEvaluation& e) {
                           {"placed_way_share", share(e.placed_m, e.way_m)},
                           {"lost_s", e.lost_s},
                           {"ambiguous_s", e.ambiguous_s},
+                          {"unconfirmed_s", e.unconfirmed_s},
                           {"first_pose_s", known(e.first_s)},
                           {"first_pose_m", known(e.first_m)},
                           {"position_rms_m", e.position_m.rmse},

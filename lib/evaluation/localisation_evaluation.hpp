@@ -12,8 +12,9 @@
 
 namespace orchard::evaluation {
 
-/// What a localisation says of itself.
-enum class PlaceState { kLost, kAmbiguous, kPlaced };
+/// What a localisation says of itself. Unconfirmed: with a pose, by a stated start that the trunks
+/// around do not tell from other places.
+enum class PlaceState { kLost, kAmbiguous, kUnconfirmed, kPlaced };
 
 /// From utime on, until the next one.
 struct PlaceStateChange {
@@ -51,12 +52,11 @@ struct LocalisationEvaluation {
   std::vector<ShadowMoment> moments;      ///< at the true poses
   double time_s = 0.0, way_m = 0.0;       ///< of the drive
   double placed_s = 0.0, placed_m = 0.0;  ///< with a pose
-  double lost_s = 0.0, ambiguous_s = 0.0;
+  double lost_s = 0.0, ambiguous_s = 0.0, unconfirmed_s = 0.0;
   std::optional<double> first_s, first_m;  ///< until the first pose
   ErrorStatistics position_m, yaw_rad;     ///< where there is a pose; yaw only if the truth has it
   std::array<DrivenWithin, 3> within;      ///< 0.1, 0.3 and 0.5 m
-  /// With a pose that is off by more than 0.5 m and by more than it claims (99.73 %): wrong without
-  /// a warning.
+  /// Placed, off by more than 0.5 m and by more than is claimed (99.73 %): wrong without a warning.
   double wrong_s = 0.0, wrong_m = 0.0, wrong_longest_s = 0.0;
   double sd_m = 0.0;        ///< claimed, root mean square over both axes together
   double nees = 0.0;        ///< mean normalised error squared of (x, y): 2 if the claims are true

@@ -946,9 +946,9 @@ def in_rows(judged):
             f"{rows['wrong_longest_m']:.0f} m; nearest row right {100 * rows['nearest_row']:.0f} %, from it {rows['from_row_mean_m']:.2f} m")
 
 
-def located(lab, log, source, motion, start):
+def located(lab, log, source, motion, start, changes=None):
     """What `evaluate localisation` says of a drive in its survey, and its folder."""
-    rig = lab.rig(VINEYARD, {"pose.motion": motion})
+    rig = lab.rig(VINEYARD, {"pose.motion": motion, **(changes or {})})
 
     def locate(made):
         said = lab.orchard("evaluate", "localisation", log / "drive.lcm", "--map", source / "truth.csv", "--config", lab.rig_file(rig), *start,
@@ -976,6 +976,13 @@ def vineyard_rows(lab, seeds):
             near, _, far = run["within"]
             figures[key] += f"; within 0.1 m {100 * near['time_share']:.0f} %, 0.5 m {100 * far['time_share']:.0f} %, NEES {run['nees']:.0f}; " \
                 + in_rows(lab.path(made, source / "poses.csv", "--rows", source / "truth.csv"))
+    first = rows_of(source / "poses.csv")[0]
+    runs = []
+    for aisles in (-1, 1):
+        start = {"start": "given", "start_x_m": float(first["x_m"]) + 2.46 * aisles, "start_y_m": float(first["y_m"]) + 0.42 * aisles,
+                 "start_yaw_rad": float(first["yaw_rad"])}
+        runs.append(located(lab, log, source, "scans", [], {f"pose.prior_map.{key}": str(value) for key, value in start.items()})[0])
+    figures["aside"] = "; ".join(f"{100 * run['placed_time_share']:.0f} %, {run['wrong_s']:.0f} s" for run in runs)
     return figures
 
 

@@ -33,14 +33,14 @@ constexpr double kLogOddsMin = 9.0;
 constexpr double kLogFitMin = 0.0;
 
 // derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour: no
-// trunk may be taken for a landmark by its place alone. A vague pose is corrected twice a metre;
-// its grid is fine enough up to three metres of standard deviation; beyond, it is lost. Four trees
-// show a half, and one contradicting check may be by chance. The trunks within 1.5 detection ranges
-// check the present position.
+// trunk may be taken for a landmark by its place alone. A place is taken when all others together
+// have a thousandth, and one that was stated is given up when it has a tenth. Four trees show a
+// half, and one contradicting check may be by chance. The trunks within 1.5 detection ranges check
+// the present position.
 constexpr double kVagueSd_m = 1.0;
 constexpr double kVagueSpacings = 0.3;
-constexpr double kLostSd_m = 3.0;
-constexpr double kCorrectionInterval_m = 0.5;
+constexpr double kSure = 0.999;
+constexpr double kUnlikely = 0.1;
 constexpr int kExpectedTreesMin = 4;
 constexpr int kContradictionsMin = 2;
 constexpr double kNearby_ranges = 1.5;
@@ -127,11 +127,8 @@ void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
   const double travel_m = T_base_next.head<2>().norm();
   local_.move(T_base_next, covariance, travel_m);
   if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance, travel_m);
-  if (vague_) {
-    vague_->move(T_base_next, covariance);
-  } else if (tracking_) {
-    tracker_.move(T_base_next, covariance);
-  }
+  if (belief_) belief_->move(T_base_next, covariance, travel_m);
+  if (tracking_) tracker_.move(T_base_next, covariance);
 }
 
 void PriorMapLocaliser::add(const detection::Detections& seen) {
@@ -155,13 +152,12 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   field_.learn(observations);
   local_.observe(observations, field_);
   watch_for_kidnapping(observations);
-  if (tracking_ && !vague_ && is_vague(tracker_.covariance())) become_vague();
-  if (vague_) {
-    watch_vague_pose();
-  } else if (tracking_) {
+  if (tracking_ && is_vague(tracker_.covariance())) become_vague();
+  if (belief_) watch_belief(observations);
+  if (tracking_) {
     track(observations);
   } else {
-    search();
+    search();  // a place that fits far better than all others goes before the belief
   }
 }
 
@@ -172,8 +168,12 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
   const double position_variance =
       PriorMapConfig::kStartPositionSd_m * PriorMapConfig::kStartPositionSd_m;
   const double yaw_variance = PriorMapConfig::kStartYawSd_rad * PriorMapConfig::kStartYawSd_rad;
-  tracker_.start({config_.start_x_m, config_.start_y_m, config_.start_yaw_rad},
-                 Eigen::Vector3d(position_variance, position_variance, yaw_variance).asDiagonal());
+  const Eigen::Vector3d start(config_.start_x_m, config_.start_y_m, config_.start_yaw_rad);
+  const Eigen::Matrix3d covariance =
+      Eigen::Vector3d(position_variance, position_variance, yaw_variance).asDiagonal();
+  tracker_.start(start, covariance);
+  belief_.emplace(map_);
+  belief_->start_stated(start, covariance);
   tracking_ = true;
   state_.clear();
 }
@@ -208,11 +208,8 @@ void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double 
   const double travel_m = std::abs(speed_mps) * dt_s;
   local_.move(T_base_next, covariance_next, travel_m);
   if (since_kidnapping_) since_kidnapping_->move(T_base_next, covariance_next, travel_m);
-  if (vague_) {
-    vague_->move(T_base_next, covariance_next);
-  } else if (tracking_) {
-    tracker_.move(step);
-  }
+  if (belief_) belief_->move(T_base_next, covariance_next, travel_m);
+  if (tracking_) tracker_.move(step);
 }
 
 std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry) const {
@@ -297,11 +294,16 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
   }
   // Base has moved since the search began; T_local_base is relative to its frame.
   const PoseHypothesis& hypothesis = result.hypotheses.front();
-  tracker_.start(compose(hypothesis.T_map_base, local_.T_local_base()),
-                 compose_covariance(hypothesis.T_map_base, hypothesis.covariance,
-                                    local_.T_local_base(), local_.pose_covariance()));
+  place_at(compose(hypothesis.T_map_base, local_.T_local_base()),
+           compose_covariance(hypothesis.T_map_base, hypothesis.covariance, local_.T_local_base(),
+                              local_.pose_covariance()));
+}
+
+void PriorMapLocaliser::place_at(const Eigen::Vector3d& T_map_base,
+                                 const Eigen::Matrix3d& covariance) {
+  tracker_.start(T_map_base, covariance);
   tracking_ = true;
-  vague_.reset();
+  belief_.reset();
   state_.clear();
   watch_.clear();
   num_contradictions_ = 0;
@@ -309,7 +311,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
 
 void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks) {
   tracking_ = false;
-  vague_.reset();
+  belief_.reset();
   ++num_lost_;
   search_.reset();
   watch_.clear();
@@ -321,7 +323,7 @@ void PriorMapLocaliser::declare_lost(const std::string& why, bool forget_trunks)
 }
 
 std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
-  if (!tracking_ || vague_ || !utime_) return std::nullopt;
+  if (!tracking_ || !utime_) return std::nullopt;
   Eigen::Vector3d T = tracker_.T_map_base();
   const Eigen::Matrix3d P = tracker_.covariance();
   if (!T.allFinite() || !P.allFinite()) return std::nullopt;
@@ -330,11 +332,17 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 }
 
 std::string PriorMapLocaliser::warning() const {
-  if (!tracking_) return state_;
-  if (vague_) {
-    return "AMBIGUOUS: the trunks around do not tell the place to better than " +
-           fixed_text(largest_sd_m(vague_->covariance()), 1) + " m; drive on";
+  if (belief_ && tracking_) {
+    return "UNCONFIRMED: the trunks around do not tell yet whether the stated start is right: " +
+           fixed_text(100.0 * belief_->probability_at(tracker_.T_map_base()), 0) + " %";
   }
+  if (belief_) {
+    const PlaceBelief::Place& place = belief_->place();
+    return "AMBIGUOUS: the trunks around do not tell the place; the likeliest, (" +
+           fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
+           ") m, has " + fixed_text(100.0 * place.probability, 0) + " %; drive on";
+  }
+  if (!tracking_) return state_;
   if (num_unreliable_ > 0) {
     return "the last " + std::to_string(num_unreliable_) +
            " scans could not be matched: the motion between trees is extrapolated";
@@ -410,46 +418,39 @@ bool PriorMapLocaliser::is_vague(const Eigen::Matrix3d& covariance) const {
 }
 
 void PriorMapLocaliser::become_vague() {
-  vague_.emplace(map_);
-  vague_->start(tracker_.T_map_base(), tracker_.covariance());
+  if (!belief_) {
+    belief_.emplace(map_);
+    belief_->start(tracker_.T_map_base(), tracker_.covariance());
+  }
+  leave_tracker();
+}
+
+void PriorMapLocaliser::leave_tracker() {
+  tracking_ = false;
   search_.reset();
   watch_.clear();
   num_contradictions_ = 0;
-  corrected_travel_m_ = local_.travel_m();
 }
 
-/// Returns the trunks around, relative to base. A search that is under way keeps its frame.
-std::vector<LocalTrunkMap::Trunk> PriorMapLocaliser::trunks_around(double reach_m) {
-  if (!search_) local_.reset_origin();
-  std::vector<LocalTrunkMap::Trunk> around;
-  const LocalEvidence all = evidence(local_);
-  for (LocalTrunkMap::Trunk trunk : all.trunks) {
-    trunk.p_local = geometry::inverse_transform(local_.T_local_base(), trunk.p_local);
-    const bool is_recent = local_.travel_m() - trunk.last_travel_m <= reach_m;
-    if (is_recent && trunk.p_local.norm() <= reach_m) around.push_back(trunk);
+/// Takes the place that the belief has come to, which confirms a stated start or ends it.
+void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observations) {
+  const bool is_corrected = belief_->correct(observations, field_);
+  if (belief_->is_spread_out()) {
+    declare_lost("no tree was recognised for too long", false);
+    return;
   }
-  return around;
-}
-
-void PriorMapLocaliser::watch_vague_pose() {
-  const double travel_m = local_.travel_m() - corrected_travel_m_;
-  if (travel_m >= kCorrectionInterval_m) {
-    // A trunk is around for about twice the reach of travel, and counts once.
-    const double reach_m = kNearby_ranges * config_.detection_range_m;
-    vague_->correct(trunks_around(reach_m), std::min(1.0, 0.5 * travel_m / reach_m));
-    corrected_travel_m_ = local_.travel_m();
-  }
-  const double sd_m = largest_sd_m(vague_->covariance());
-  if (sd_m > kLostSd_m) {
-    declare_lost("no tree was recognised for too long; the position uncertainty is " +
-                     fixed_text(sd_m, 1) + " m",
-                 false);
-  } else if (!is_vague(vague_->covariance())) {
-    tracker_.start(vague_->T_map_base(), vague_->covariance());
-    vague_.reset();
+  if (!is_corrected) return;
+  const PlaceBelief::Place& place = belief_->place();
+  const double at_tracker = tracking_ ? belief_->probability_at(tracker_.T_map_base()) : 0.0;
+  if (at_tracker >= kSure) {
+    belief_.reset();
+  } else if (place.probability >= kSure && !is_vague(place.covariance)) {
+    if (tracking_) ++num_lost_;
+    place_at(place.T_map_base, place.covariance);
     search_.reset();
-  } else {
-    search();  // a place of the whole map that fits far better than all others goes before
+  } else if (tracking_ && at_tracker < kUnlikely) {
+    ++num_lost_;
+    leave_tracker();
   }
 }
 

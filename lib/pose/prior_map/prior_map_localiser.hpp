@@ -10,10 +10,10 @@
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/prior_map/local_map.hpp"
+#include "pose/prior_map/place_belief.hpp"
 #include "pose/prior_map/prior_map.hpp"
 #include "pose/prior_map/search.hpp"
 #include "pose/prior_map/tracker.hpp"
-#include "pose/prior_map/vague_pose.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
 
 namespace orchard::pose {
@@ -57,8 +57,9 @@ class PriorMapLocaliser : public Localiser {
   void track(const std::vector<ScanObservation>& observations);
   bool is_vague(const Eigen::Matrix3d& covariance) const;
   void become_vague();
-  void watch_vague_pose();
-  std::vector<LocalTrunkMap::Trunk> trunks_around(double reach_m);
+  void leave_tracker();
+  void watch_belief(const std::vector<ScanObservation>& observations);
+  void place_at(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
   void check_present_pose(const TreeDetectionMonitor::Count& trees);
   void start_rival_search(const LocalTrunkMap& local);
   bool has_rival(const SearchResult& result) const;
@@ -80,7 +81,8 @@ class PriorMapLocaliser : public Localiser {
   std::optional<LocalTrunkMap> since_kidnapping_;
   double kidnapping_travel_m_ = 0.0;
   PriorMapTracker tracker_;
-  std::optional<VaguePose> vague_;        ///< in place of the tracker, where trunks look alike
+  /// In place of the tracker where trunks look alike; beside it until a stated start is confirmed.
+  std::optional<PlaceBelief> belief_;
   std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
   PoseHypothesis held_hypothesis_;        ///< position when the search for a rival began
 
@@ -94,9 +96,8 @@ class PriorMapLocaliser : public Localiser {
   int num_contradictions_ = 0;
   double checked_travel_m_ = 0.0;  ///< travel at the last search or check
   std::size_t checked_trunks_ = 0;
-  double corrected_travel_m_ = 0.0;  ///< travel at the last correction of the vague pose
-  double lost_travel_m_ = 0.0;       ///< travel at which the position was lost; initially 0
-  std::string state_;                ///< why there is no position; empty while tracking
+  double lost_travel_m_ = 0.0;  ///< travel at which the position was lost; initially 0
+  std::string state_;           ///< why there is no position; empty while tracking
   std::int64_t num_lost_ = 0;
 };
 

@@ -54,7 +54,8 @@ class ShadowRecorder {
 
   void take(const pose::PoseEstimate& pose) {
     run_.poses.push_back(pose);
-    change(PlaceState::kPlaced, pose.utime);
+    const bool is_confirmed = node_.warning().rfind("UNCONFIRMED", 0) != 0;
+    change(is_confirmed ? PlaceState::kPlaced : PlaceState::kUnconfirmed, pose.utime);
   }
   /// After the scan of that time.
   void take_scan(std::int64_t utime) {
@@ -67,7 +68,8 @@ class ShadowRecorder {
  private:
   /// A place is lost from its last pose on, which is older than the scan after which it is told.
   std::int64_t since(std::int64_t utime) const {
-    const bool was_placed = !run_.states.empty() && run_.states.back().state == PlaceState::kPlaced;
+    const bool was_placed =
+        !run_.states.empty() && run_.states.back().state >= PlaceState::kUnconfirmed;
     return was_placed ? run_.poses.back().utime + 1 : utime;
   }
   void change(PlaceState state, std::int64_t utime) {

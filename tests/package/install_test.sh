@@ -15,7 +15,12 @@ mkdir -p "$work"
 cmake --install "$build" --component dev --prefix "$prefix" >"$work/install.log" 2>&1 ||
   { tail -n 5 "$work/install.log"; fail "cmake --install failed"; }
 
-configure() { cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix"; }
+# A library built with a sanitizer needs its run-time in the program, too.
+sanitizers=$(sed -n 's/^ORCHARD_SANITIZE:[A-Z]*=//p' "$build/CMakeCache.txt")
+configure() {
+  cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCMAKE_CXX_FLAGS="${sanitizers:+-fsanitize=$sanitizers}"
+}
 configure "$here/consumer" "$work/consumer" >"$work/configure.log" 2>&1 ||
   { cat "$work/configure.log"; fail "find_package(orchard COMPONENTS laser detection mapping) failed"; }
 cmake --build "$work/consumer" >"$work/build.log" 2>&1 || { cat "$work/build.log"; fail "the consumer does not build"; }

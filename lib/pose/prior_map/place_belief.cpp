@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
@@ -35,6 +37,11 @@ constexpr double kPlaceSd_rad = 0.5 * kPlaceSpacings;
 constexpr double kSplitVariances = 1.5;
 constexpr double kImprobable = 1e-8;
 constexpr std::size_t kPlacesMax = 8'000;
+
+// derived: a robot that sees trunks is near some; all cells of a hectare of vines, which cost a
+// second at first.
+constexpr double kStartSpacings = 1.5;
+constexpr std::size_t kStartsMax = 100'000;
 
 // derived: a start that is stated wrongly is off by a row or two.
 constexpr double kMisstated = 0.1;
@@ -76,13 +83,18 @@ class Moments {
  public:
   explicit Moments(const Eigen::Vector3d& around) : around_(around) {}
 
-  void add(const Eigen::Vector3d& T, const Eigen::Matrix3d& P, double weight) {
+  void add(const Eigen::Vector3d& T, const Eigen::Matrix3d& P, double weight, double seen,
+           double expected) {
     const Eigen::Vector3d d = difference(T, around_);
     sum_ += weight;
+    seen_ += weight * seen;
+    expected_ += weight * expected;
     mean_ += weight * d;
     moment_ += weight * (P + d * d.transpose());
   }
   double sum() const { return sum_; }
+  double seen() const { return seen_ / sum_; }
+  double expected() const { return expected_ / sum_; }
   Eigen::Vector3d mean() const { return moved_by(around_, mean_ / sum_); }
   Eigen::Matrix3d covariance() const {
     return moment_ / sum_ - mean_ * mean_.transpose() / (sum_ * sum_);
@@ -90,7 +102,7 @@ class Moments {
 
  private:
   Eigen::Vector3d around_;
-  double sum_ = 0.0;
+  double sum_ = 0.0, seen_ = 0.0, expected_ = 0.0;
   Eigen::Vector3d mean_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment_ = Eigen::Matrix3d::Zero();
 };
@@ -186,6 +198,7 @@ PlaceBelief::PlaceBelief(const PriorMap& map)
 void PlaceBelief::start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance) {
   places_ = {{T_map_base, covariance, 1.0}};
   place_ = {T_map_base, covariance, 1.0};
+  places_max_ = kPlacesMax;
   forget_motion();
 }
 
@@ -197,6 +210,35 @@ void PlaceBelief::start_stated(const Eigen::Vector3d& T_map_base,
   const Eigen::Vector3d off(off_m2, off_m2, 0.0);
   places_.push_back({T_map_base, covariance, kMisstated});
   places_.back().covariance.diagonal() += off;
+}
+
+bool PlaceBelief::start_anywhere() {
+  const double step_m = 2.0 * place_sd_m_, step_rad = 2.0 * kPlaceSd_rad;
+  const int num_headings = static_cast<int>(std::ceil(2.0 * geometry::kPi / step_rad));
+  const int reach = static_cast<int>(std::ceil(kStartSpacings * map_.spacing_m() / step_m));
+  std::set<std::pair<int, int>> cells;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(map_.size()); ++i) {
+    const int x = static_cast<int>(std::floor(map_[i].p_map.x() / step_m));
+    const int y = static_cast<int>(std::floor(map_[i].p_map.y() / step_m));
+    for (int dx = -reach; dx <= reach; ++dx) {
+      for (int dy = -reach; dy <= reach; ++dy) cells.emplace(x + dx, y + dy);
+    }
+    if (cells.size() * static_cast<std::size_t>(num_headings) > kStartsMax) return false;
+  }
+  const Eigen::Matrix3d P =
+      Eigen::Vector3d(square(place_sd_m_), square(place_sd_m_), square(kPlaceSd_rad)).asDiagonal();
+  const double weight = 1.0 / (1.0 * num_headings * static_cast<double>(cells.size()));
+  places_.clear();
+  for (const auto& [x, y] : cells) {
+    for (int k = 0; k < num_headings; ++k) {
+      const double yaw_rad = geometry::wrap_angle_rad(2.0 * geometry::kPi * k / num_headings);
+      places_.push_back({{(x + 0.5) * step_m, (y + 0.5) * step_m, yaw_rad}, P, weight});
+    }
+  }
+  place_ = {places_.front().T_map_base, P, weight};
+  places_max_ = kStartsMax;
+  forget_motion();
+  return true;
 }
 
 void PlaceBelief::forget_motion() {
@@ -224,6 +266,7 @@ void PlaceBelief::move_places() {
 bool PlaceBelief::correct(const std::vector<ScanObservation>& observations,
                           const FieldOfView& field) {
   if (travel_m_ < kCorrectionInterval_m || field.range_m() <= 0.0) return false;
+  const double travel_m = travel_m_;
   const double share = std::min(1.0, travel_m_ / (2.0 * field.range_m()));
   const std::vector<Target> targets = targets_of(observations);
   const ViewOfScan view(observations, field);
@@ -240,7 +283,10 @@ bool PlaceBelief::correct(const std::vector<ScanObservation>& observations,
   }
   merge();
   prune();
+  const Place last = place_;
   place_ = sum_around(places_.front().T_map_base);
+  const bool is_held = is_near(places_.front(), last.T_map_base);
+  place_.held_m = is_held ? last.held_m + travel_m : 0.0;
   return true;
 }
 
@@ -297,6 +343,7 @@ double PlaceBelief::correct(Gaussian& place, const std::vector<Target>& targets,
   const std::vector<Partner> partners = partners_of(place, targets);
   std::vector<double> ratios(partners.size(), 0.0);
   SeenAndMissed seen;
+  double num_expected = 0.0, num_seen = 0.0;
   for (std::size_t begin = 0, end = 0; begin < partners.size(); begin = end) {
     const std::int32_t landmark = partners[begin].landmark;
     double ratio = 0.0;
@@ -305,14 +352,16 @@ double PlaceBelief::correct(Gaussian& place, const std::vector<Target>& targets,
     }
     std::fill(&ratios[begin], &ratios[begin] + (end - begin), ratio);
     seen.add(ratio, map_.repeat(landmark));
+    num_expected += map_.repeat(landmark);
   }
-  add_missed(place, view, seen);
+  num_expected += add_missed(place, view, seen);
   Eigen::Matrix3d information = place.covariance.inverse();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < partners.size(); ++i) {
     const Partner& partner = partners[i];
     const double probability =
         seen.share_of(partner.ratio, ratios[i], map_.repeat(partner.landmark));
+    num_seen += probability;
     const Eigen::Matrix<double, 2, 3> H = jacobian(partner.arm_m);
     information += share * probability / partner.variance_m2 * H.transpose() * H;
     gradient += share * probability / partner.variance_m2 * H.transpose() * partner.offset_m;
@@ -320,14 +369,17 @@ double PlaceBelief::correct(Gaussian& place, const std::vector<Target>& targets,
   place.covariance = information.inverse();
   place.covariance = 0.5 * (place.covariance + place.covariance.transpose()).eval();
   place.T_map_base = moved_by(place.T_map_base, place.covariance * gradient);
+  place.seen += share * (num_seen - place.seen);
+  place.expected += share * (num_expected - place.expected);
   return std::log(seen.mean());
 }
 
-/// Adds the landmarks in view that no observation is near.
-void PlaceBelief::add_missed(const Gaussian& place, const ViewOfScan& view,
-                             SeenAndMissed& seen) const {
+/// Adds the landmarks in view that no observation is near, and returns how many would be seen.
+double PlaceBelief::add_missed(const Gaussian& place, const ViewOfScan& view,
+                               SeenAndMissed& seen) const {
   const double place_m2 = 0.5 * place.covariance.topLeftCorner<2, 2>().trace() +
                           2.0 * square(PriorMapConfig::kLandmarkSd_m);
+  double num = 0.0;
   map_.near(place.T_map_base.head<2>(), view.range_m(), [&](std::int32_t i) {
     const Eigen::Vector2d p_base = geometry::inverse_transform(place.T_map_base, map_[i].p_map);
     const double nearest_m = view.nearest_m(p_base);
@@ -335,12 +387,14 @@ void PlaceBelief::add_missed(const Gaussian& place, const ViewOfScan& view,
         place_m2 + square(map_[i].sd_m) + 0.5 * place.covariance(2, 2) * p_base.squaredNorm();
     if (nearest_m < 0.0 || square(nearest_m) < square(kReachSigmas) * around_m2) return;
     seen.add(0.0, map_.repeat(i));
+    num += map_.repeat(i);
   });
+  return num;
 }
 
 void PlaceBelief::split() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    while (places_.size() < 2 * kPlacesMax && split(i)) continue;
+    while (places_.size() < 2 * places_max_ && split(i)) continue;
   }
 }
 
@@ -384,10 +438,11 @@ void PlaceBelief::merge() {
     Moments moments(places_[std::get<3>(*begin)].T_map_base);
     for (; end != order.end() && same(*end, *begin); ++end) {
       const Gaussian& place = places_[std::get<3>(*end)];
-      moments.add(place.T_map_base, place.covariance, place.weight);
+      moments.add(place.T_map_base, place.covariance, place.weight, place.seen, place.expected);
     }
     if (moments.sum() <= 0.0) continue;
-    joined.push_back({moments.mean(), moments.covariance(), moments.sum()});
+    joined.push_back(
+        {moments.mean(), moments.covariance(), moments.sum(), moments.seen(), moments.expected()});
   }
   places_ = std::move(joined);
 }
@@ -410,9 +465,11 @@ bool PlaceBelief::is_near(const Gaussian& place, const Eigen::Vector3d& T_map_ba
 PlaceBelief::Place PlaceBelief::sum_around(const Eigen::Vector3d& T_map_base) const {
   Moments moments(T_map_base);
   for (const Gaussian& place : places_) {
-    if (is_near(place, T_map_base)) moments.add(place.T_map_base, place.covariance, place.weight);
+    if (!is_near(place, T_map_base)) continue;
+    moments.add(place.T_map_base, place.covariance, place.weight, place.seen, place.expected);
   }
-  return {moments.mean(), moments.covariance(), moments.sum()};
+  return {moments.mean(), moments.covariance(), moments.sum(), moments.seen(),
+          moments.seen() / std::max(1.0, moments.expected())};
 }
 
 double PlaceBelief::probability_at(const Eigen::Vector3d& T_map_base) const {
@@ -429,7 +486,7 @@ bool PlaceBelief::is_spread_out() const {
   const double area = 9.0 * geometry::kPi * std::sqrt(P.topLeftCorner<2, 2>().determinant());
   const double headings = std::min(geometry::kPi, 3.0 * std::sqrt(P(2, 2))) / kPlaceSd_rad;
   const double num = area / square(2.0 * place_sd_m_) * std::max(1.0, headings);
-  return places_.size() > kPlacesMax || !(num <= 1.0 * kPlacesMax);
+  return places_.size() > places_max_ || !(num <= 1.0 * static_cast<double>(places_max_));
 }
 
 }  // namespace orchard::pose

@@ -27,6 +27,9 @@ class PlaceBelief {
     Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     double probability = 0.0;
+    double num_seen = 0.0;  ///< landmarks seen in a scan, over the last pass of a trunk
+    double seen = 0.0;      ///< as a fraction of those in view
+    double held_m = 0.0;    ///< travel since another place was the most probable
   };
 
   explicit PlaceBelief(const PriorMap& map);
@@ -35,6 +38,10 @@ class PlaceBelief {
   void start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
   /// Starts from a place that somebody stated: one in ten of these is off by some spacings.
   void start_stated(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
+
+  /// Starts anywhere within one and a half spacings of a landmark, with any heading. False, and no
+  /// change, where these are more places than can be weighed.
+  bool start_anywhere();
 
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance, double travel_m);
 
@@ -53,6 +60,7 @@ class PlaceBelief {
     Eigen::Vector3d T_map_base;
     Eigen::Matrix3d covariance;
     double weight;
+    double seen = 0.0, expected = 0.0;  ///< landmarks in a scan, over the last pass of a trunk
   };
   struct Target {
     Eigen::Vector2d p_base;
@@ -74,7 +82,7 @@ class PlaceBelief {
   std::vector<Partner> partners_of(const Gaussian& place, const std::vector<Target>& targets) const;
   void find_partners(const Gaussian& place, const Target& target,
                      std::vector<Partner>& partners) const;
-  void add_missed(const Gaussian& place, const ViewOfScan& view, SeenAndMissed& seen) const;
+  double add_missed(const Gaussian& place, const ViewOfScan& view, SeenAndMissed& seen) const;
   void forget_motion();
   void move_places();
   void split();
@@ -89,6 +97,7 @@ class PlaceBelief {
   double reach_m_;            ///< beyond it a landmark is no partner of an observation
   geometry::PointGrid grid_;  ///< of the landmarks, for queries of reach_m_
   std::vector<Gaussian> places_;
+  std::size_t places_max_ = 0;
   Place place_;
   // Since the last correction.
   double travel_m_ = 0.0;

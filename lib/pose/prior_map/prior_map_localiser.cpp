@@ -33,13 +33,12 @@ constexpr double kLogOddsMin = 9.0;
 constexpr double kLogFitMin = 0.0;
 
 // derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour: no
-// trunk may be taken for a landmark by its place alone. A place is taken when all others together
-// have a thousandth, and one that was stated is given up when it has a tenth. Four trees show a
-// half, and one contradicting check may be by chance. The trunks within 1.5 detection ranges check
-// the present position.
+// trunk may be taken for a landmark by its place alone. A place is taken by the same odds, and one
+// that was stated is given up when it has a tenth. Four trees show a half, and one contradicting
+// check may be by chance. The trunks within 1.5 detection ranges check the present position.
 constexpr double kVagueSd_m = 1.0;
 constexpr double kVagueSpacings = 0.3;
-constexpr double kSure = 0.999;
+constexpr double kSure = 1.0 - 1.0 / 8'000.0;
 constexpr double kUnlikely = 0.1;
 constexpr int kExpectedTreesMin = 4;
 constexpr int kContradictionsMin = 2;
@@ -153,6 +152,7 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   local_.observe(observations, field_);
   watch_for_kidnapping(observations);
   if (tracking_ && is_vague(tracker_.covariance())) become_vague();
+  if (!tracking_ && !belief_ && observations.size() >= kTrunksMin) believe_anywhere();
   if (belief_) watch_belief(observations);
   if (tracking_) {
     track(observations);
@@ -294,6 +294,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
   }
   // Base has moved since the search began; T_local_base is relative to its frame.
   const PoseHypothesis& hypothesis = result.hypotheses.front();
+  belief_.reset();
   place_at(compose(hypothesis.T_map_base, local_.T_local_base()),
            compose_covariance(hypothesis.T_map_base, hypothesis.covariance, local_.T_local_base(),
                               local_.pose_covariance()));
@@ -302,8 +303,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
 void PriorMapLocaliser::place_at(const Eigen::Vector3d& T_map_base,
                                  const Eigen::Matrix3d& covariance) {
   tracker_.start(T_map_base, covariance);
-  tracking_ = true;
-  belief_.reset();
+  tracking_ = is_confirmed_ = true;
   state_.clear();
   watch_.clear();
   num_contradictions_ = 0;
@@ -332,11 +332,12 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 }
 
 std::string PriorMapLocaliser::warning() const {
-  if (belief_ && tracking_) {
+  if (belief_ && tracking_ && !is_confirmed_) {
     return "UNCONFIRMED: the trunks around do not tell yet whether the stated start is right: " +
            fixed_text(100.0 * belief_->probability_at(tracker_.T_map_base()), 0) + " %";
   }
-  if (belief_) {
+  // A place at which most landmarks in view are missed is none.
+  if (belief_ && !tracking_ && (state_.empty() || belief_->place().num_seen >= kTrunksMin)) {
     const PlaceBelief::Place& place = belief_->place();
     return "AMBIGUOUS: the trunks around do not tell the place; the likeliest, (" +
            fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
@@ -421,6 +422,7 @@ void PriorMapLocaliser::become_vague() {
   if (!belief_) {
     belief_.emplace(map_);
     belief_->start(tracker_.T_map_base(), tracker_.covariance());
+    untested_m_ = 0.0;
   }
   leave_tracker();
 }
@@ -432,21 +434,36 @@ void PriorMapLocaliser::leave_tracker() {
   num_contradictions_ = 0;
 }
 
-/// Takes the place that the belief has come to, which confirms a stated start or ends it.
+/// Weighs all places of a map that is not too large for it, beside the search. Along one row some
+/// place of another orchard fits as well, too: one of thousands is taken after it was held for two
+/// windows, while most of at least six landmarks in view are seen.
+void PriorMapLocaliser::believe_anywhere() {
+  belief_.emplace(map_);
+  if (!belief_->start_anywhere()) belief_.reset();
+  untested_m_ = 2.0 * config_.window_m;
+}
+
+/// Takes the place that the belief has come to, which confirms a stated start or ends it. It goes
+/// on beside the tracker: what follows may tell that the place was wrong.
 void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observations) {
   const bool is_corrected = belief_->correct(observations, field_);
   if (belief_->is_spread_out()) {
-    declare_lost("no tree was recognised for too long", false);
+    belief_.reset();
+    if (!tracking_) declare_lost("no tree was recognised for too long", false);
     return;
   }
   if (!is_corrected) return;
   const PlaceBelief::Place& place = belief_->place();
   const double at_tracker = tracking_ ? belief_->probability_at(tracker_.T_map_base()) : 0.0;
-  if (at_tracker >= kSure) {
-    belief_.reset();
-  } else if (place.probability >= kSure && !is_vague(place.covariance)) {
+  const bool is_tested =
+      untested_m_ == 0.0 || (place.held_m >= untested_m_ && place.num_seen >= kTrunksMin &&
+                             place.seen >= kDetectedFraction);
+  const bool is_sure = place.probability >= kSure && is_tested && !is_vague(place.covariance);
+  is_confirmed_ |= at_tracker >= kSure;
+  if (at_tracker < kUnlikely && is_sure) {
     if (tracking_) ++num_lost_;
     place_at(place.T_map_base, place.covariance);
+    untested_m_ = 0.0;
     search_.reset();
   } else if (tracking_ && at_tracker < kUnlikely) {
     ++num_lost_;

@@ -56,6 +56,7 @@ class PriorMapLocaliser : public Localiser {
 
   void track(const std::vector<ScanObservation>& observations);
   bool is_vague(const Eigen::Matrix3d& covariance) const;
+  void believe_anywhere();
   void become_vague();
   void leave_tracker();
   void watch_belief(const std::vector<ScanObservation>& observations);
@@ -83,6 +84,8 @@ class PriorMapLocaliser : public Localiser {
   PriorMapTracker tracker_;
   /// In place of the tracker where trunks look alike; beside it until a stated start is confirmed.
   std::optional<PlaceBelief> belief_;
+  double untested_m_ = 0.0;    ///< travel for which a place must be held before it is taken
+  bool is_confirmed_ = false;  ///< the belief has come to the tracker's place
   std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
   PoseHypothesis held_hypothesis_;        ///< position when the search for a rival began
 

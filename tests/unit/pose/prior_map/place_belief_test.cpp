@@ -182,6 +182,32 @@ TEST(PlaceBelief, AStartThatWasStatedOneTreeTooFarIsMendedByTheEndOfTheRow) {
   EXPECT_LT(belief.probability_at(stated), 0.01);
 }
 
+TEST(PlaceBelief, StartedAnywhereItFindsTheOnlyPlaceThatFits) {
+  // Two rows with gaps; half a turn of the block is another place, where the gaps do not fit.
+  std::vector<Eigen::Vector2d> block;
+  for (int i = 0; i < 12; ++i) {
+    if (i != 3 && i != 4) block.push_back({1.4 * i, 0.0});
+    if (i != 9) block.push_back({1.4 * i, 2.5});
+  }
+  const PriorMap map = map_of(block);
+  const Eigen::Vector3d truth(5.6, 1.25, 0.3);
+  const Eigen::Vector3d turned(15.4 - 5.6, 2.5 - 1.25, 0.3 - geometry::kPi);
+  PlaceBelief belief(map);
+  ASSERT_TRUE(belief.start_anywhere());
+  EXPECT_LT(belief.place().probability, 0.01);
+  pass(belief, seen_from(block, truth, kRange_m));
+  EXPECT_GT(belief.probability_at(truth), 0.99);
+  EXPECT_LT(belief.probability_at(turned), 0.01);
+  EXPECT_LT((belief.place().T_map_base - truth).norm(), 0.1);
+  EXPECT_GT(belief.place().seen, 0.8);
+}
+
+TEST(PlaceBelief, AMapOfTooManyPlacesIsLeftToTheSearch) {
+  PriorMap map = map_of(row_of(4000, 1.4));
+  PlaceBelief belief(map);
+  EXPECT_FALSE(belief.start_anywhere());
+}
+
 TEST(PlaceBelief, WithoutATrunkInSightItSpreadsAndIsGivenUp) {
   const PriorMap map = map_of(row_of(21, 1.4));
   PlaceBelief belief(map);

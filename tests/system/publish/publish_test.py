@@ -152,6 +152,9 @@ class Publish(unittest.TestCase):
                                   stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         holder.stdin.write("BEGIN; LOCK TABLE orchard.tree IN EXCLUSIVE MODE;\n")
         holder.stdin.flush()
+        wait_for(lambda: self.server.sql(
+            "SELECT count(*) FROM pg_locks WHERE relation = 'orchard.tree'::regclass"
+            " AND mode = 'ExclusiveLock' AND granted") == ["1"])
         publisher = subprocess.Popen(self.command(self.map_of("after", lambda row: 0.02, {101})),
                                      stderr=subprocess.PIPE, text=True)
         wait_for(lambda: self.server.sql(self.SESSIONS + " AND wait_event_type = 'Lock'") == ["1"])

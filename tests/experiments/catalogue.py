@@ -371,6 +371,10 @@ EXPERIMENTS = {
             "Before a stated start was checked, it stayed a row off for 401 s, or was LOST (98b1da0f)."),
         Row("search", "the same without a start", "-", "none / this drive"),
     ]),
+    "vineyard_starts": Experiment("Real recordings", seeds=(1, 12), trial=trials.vineyard_starts, rows=[
+        Row("starts", "the same from twelve random scans of the drive on, without a start, to its end: time with a pose, wrong without a warning", "-; 0 s",
+            "none / this drive", "**Missed** by jumps of the place that is tracked, never a row or a vine aside"),
+    ]),
     "vineyard_again": Experiment("Real recordings", seeds=(1, 6), trial=trials.vineyard_again, rows=[
         Row("paths start", "the same with another 3 % of the scans left out, six times: APE of the graph of trunks by scans and wheels (mean, "
             "least, most), of dead reckoning; located in the survey from a known start: time with a pose, wrong without a warning", "0.5 m; -; all; 0 s",

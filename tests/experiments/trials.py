@@ -986,6 +986,27 @@ def vineyard_rows(lab, seeds):
     return figures
 
 
+def vineyard_starts(lab, seeds):
+    """Riseholme located in its survey from scans anywhere on the drive, without a stated start."""
+    log, source = lab.recording("riseholme_run_1")
+
+    def one(seed):
+        num_scans, first = 0, random.Random(seed).randrange(1000)  # of 1,205
+
+        def late(channel, data):
+            nonlocal num_scans
+            num_scans += channel == "SCAN"
+            return data if num_scans > first else None
+
+        rest = lab.made("late_start", {"log": log.name, "first": first},
+                        lambda folder: altered_log(log / "drive.lcm", folder / "drive.lcm", late))
+        return located(lab, rest, source, "scans", [])[0]
+
+    runs = lab.each(seeds, one)
+    return {"starts": ", ".join(f"{100 * run['placed_time_share']:.0f} %" for run in runs) + "; "
+            + ", ".join(f"{run['wrong_s']:.0f} s" for run in runs)}
+
+
 def vineyard_again(lab, seeds):
     """Riseholme with another 3 % of its scans left out for each seed: how far a figure hangs on single scans."""
     log, source = lab.recording("riseholme_run_1")

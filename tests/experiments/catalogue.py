@@ -373,7 +373,7 @@ EXPERIMENTS = {
     ]),
     "vineyard_starts": Experiment("Real recordings", seeds=(1, 12), trial=trials.vineyard_starts, rows=[
         Row("starts", "the same from twelve random scans of the drive on, without a start, to its end: time with a pose, wrong without a warning", "-; 0 s",
-            "none / this drive", "**Missed** by jumps of the place that is tracked, never a row or a vine aside"),
+            "none / this drive", "**Missed** by jumps of the place that is tracked: no pose errs by more than 0.78 m"),
     ]),
     "vineyard_again": Experiment("Real recordings", seeds=(1, 6), trial=trials.vineyard_again, rows=[
         Row("paths start", "the same with another 3 % of the scans left out, six times: APE of the graph of trunks by scans and wheels (mean, "

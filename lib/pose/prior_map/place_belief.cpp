@@ -30,16 +30,16 @@ constexpr double kClutter_m = 1.0;
 
 // derived: a Gaussian of a quarter of the spacing has one partner for a trunk, also if its heading
 // errs by as much at two spacings; a little more than that is left whole, so that halves are not
-// divided for ever. What is less probable is given up, and so is a belief in more places than cost
-// a tenth of a second.
+// divided for ever. What is less probable is given up, and so is a belief in more places, a bound
+// on the cost of a scan.
 constexpr double kPlaceSpacings = 0.25;
 constexpr double kPlaceSd_rad = 0.5 * kPlaceSpacings;
 constexpr double kSplitVariances = 1.5;
 constexpr double kImprobable = 1e-8;
 constexpr std::size_t kPlacesMax = 8'000;
 
-// derived: a robot that sees trunks is near some; all cells of a hectare of vines, which cost a
-// second at first.
+// derived: a robot that sees trunks is near some; and a bound on the cost of a scan until most of
+// the cells are given up: those of some hundred trees.
 constexpr double kStartSpacings = 1.5;
 constexpr std::size_t kStartsMax = 100'000;
 

@@ -43,6 +43,8 @@ class PlaceBelief {
   /// change, where these are more places than can be weighed.
   bool start_anywhere();
 
+  /// Moves all places by T_base_next (x [m], y [m], yaw [rad]) with its covariance; `travel_m`: the
+  /// length of the way.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance, double travel_m);
 
   /// Corrects the places by a scan, in proportion to the travel since the scan that last did: a
@@ -50,6 +52,8 @@ class PlaceBelief {
   bool correct(const std::vector<ScanObservation>& observations, const FieldOfView& field);
 
   const Place& place() const { return place_; }
+  /// The probability of all places less than half a spacing from the pose, as of the last
+  /// correction.
   double probability_at(const Eigen::Vector3d& T_map_base) const;
   std::size_t num_places() const { return places_.size(); }
   /// True where base may be at more places than can be weighed.

@@ -438,8 +438,10 @@ void PriorMapLocaliser::leave_tracker() {
 /// place of another orchard fits as well, too: one of thousands is taken after it was held for two
 /// windows, while most of at least six landmarks in view are seen.
 void PriorMapLocaliser::believe_anywhere() {
+  if (is_too_large_) return;
   belief_.emplace(map_);
-  if (!belief_->start_anywhere()) belief_.reset();
+  is_too_large_ = !belief_->start_anywhere();
+  if (is_too_large_) belief_.reset();
   untested_m_ = 2.0 * config_.window_m;
 }
 

@@ -25,8 +25,10 @@ namespace orchard::pose {
 /// and accepts a position only when it is more likely than all others together by kLogOddsMin;
 /// until then warning() says LOST (nothing fits) or AMBIGUOUS (several positions fit). While
 /// tracking it gives poses, and returns to searching if expected trees are missing or the local
-/// trunks contradict the position. A position that has become vague is AMBIGUOUS, without a pose,
-/// until the trunks tell it again. Uses Detections and Odometry, or scans with `motion: scans`.
+/// trunks contradict the position. In a map of some hundred trees it weighs all places beside the
+/// search. A position that has become vague is AMBIGUOUS, without a pose, until the trunks tell it
+/// again; a stated start is UNCONFIRMED, with a pose, until they have told it. Uses Detections and
+/// Odometry, or scans with `motion: scans`.
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument if the landmarks are not suitable (see problem_with). `mount` and
@@ -82,8 +84,9 @@ class PriorMapLocaliser : public Localiser {
   std::optional<LocalTrunkMap> since_kidnapping_;
   double kidnapping_travel_m_ = 0.0;
   PriorMapTracker tracker_;
-  /// In place of the tracker where trunks look alike; beside it until a stated start is confirmed.
+  /// In place of the tracker where trunks look alike, then beside it to doubt the place.
   std::optional<PlaceBelief> belief_;
+  bool is_too_large_ = false;  ///< the map, for weighing all its places
   double untested_m_ = 0.0;    ///< travel for which a place must be held before it is taken
   bool is_confirmed_ = false;  ///< the belief has come to the tracker's place
   std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one

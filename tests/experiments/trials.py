@@ -946,16 +946,16 @@ def in_rows(judged):
             f"{rows['wrong_longest_m']:.0f} m; nearest row right {100 * rows['nearest_row']:.0f} %, from it {rows['from_row_mean_m']:.2f} m")
 
 
-def located(lab, log, source, motion, start, changes=None):
-    """What `evaluate localisation` says of a drive in its survey, and its folder."""
+def located(lab, log, source, motion, start, changes=None, mapped=None):
+    """What `evaluate localisation` says of a drive in its survey, or in a map, and its folder."""
     rig = lab.rig(VINEYARD, {"pose.motion": motion, **(changes or {})})
 
     def locate(made):
-        said = lab.orchard("evaluate", "localisation", log / "drive.lcm", "--map", source / "truth.csv", "--config", lab.rig_file(rig), *start,
+        said = lab.orchard("evaluate", "localisation", log / "drive.lcm", "--map", mapped or source / "truth.csv", "--config", lab.rig_file(rig), *start,
                            "--out", made, "--json")
         (made / "said.json").write_text(said)
 
-    programs = [lab.digest("orchard"), log.name, rig, start]
+    programs = [lab.digest("orchard"), log.name, rig, start] + ([mapped.name] if mapped else [])
     made = lab.made("shadow", programs, locate)
     return json.loads((made / "said.json").read_text()), made
 
@@ -1005,6 +1005,33 @@ def vineyard_starts(lab, seeds):
     runs = lab.each(seeds, one)
     return {"starts": ", ".join(f"{100 * run['placed_time_share']:.0f} %" for run in runs) + "; "
             + ", ".join(f"{run['wrong_s']:.0f} s" for run in runs)}
+
+
+def vineyard_halves(lab, seeds):
+    """Each half of Riseholme located in the map of the other: most of its aisles are not in that map."""
+    log, source = lab.recording("riseholme_run_1")
+    half = 602  # of 1,205 scans
+
+    def halved(is_first):
+        num_scans = 0
+
+        def keep(channel, data):
+            nonlocal num_scans
+            num_scans += channel == "SCAN"
+            return data if (num_scans <= half) == is_first else None
+
+        return lab.made("half_drive", {"log": log.name, "half": half, "first": is_first},
+                        lambda folder: altered_log(log / "drive.lcm", folder / "drive.lcm", keep))
+
+    halves = [halved(True), halved(False)]
+    tracked = lab.rig(VINEYARD, {"pose.mode": "slam", "pose.motion": "scans", "pose.slam.use_fixes": "true"})
+    maps = [lab.map(part, tracked, "--quiet") for part in halves]
+    figures = {}
+    for key, drive, mapped in (("second", halves[1], maps[0]), ("first", halves[0], maps[1])):
+        runs = [located(lab, drive, source, "scans", start, mapped=mapped)[0] for start in ([], ["--start-known"])]
+        figures[key] = ", ".join(f"{100 * run['placed_time_share']:.0f} %" for run in runs) + "; " \
+            + ", ".join(f"{run['wrong_s']:.0f} s" for run in runs)
+    return figures
 
 
 def vineyard_again(lab, seeds):

@@ -27,19 +27,21 @@ constexpr double kSearchInterval_m = 1.0;
 constexpr std::size_t kTrunksMin = 6;
 constexpr int kHypothesesPerScan = 400;
 
-// derived: min natural log-odds of a position against all others together (1 in 8,000), and of a
-// rival over the present one; min log-likelihood ratio of a position against another orchard.
+// derived: min natural log-odds of a position against all others together (1 in 8,000); min
+// log-likelihood ratio of a position against another orchard.
 constexpr double kLogOddsMin = 9.0;
 constexpr double kLogFitMin = 0.0;
 
 // derived: at 0.3 of the trees' spacing [m], three standard deviations reach the neighbour: no
-// trunk may be taken for a landmark by its place alone. A place is taken by the same odds, and one
-// that was stated is given up when it has a tenth. Four trees show a half, and one contradicting
-// check may be by chance. The trunks within 1.5 detection ranges check the present position.
+// trunk may be taken for a landmark by its place alone. A place is taken by the same odds, one that
+// was stated is given up when it has a tenth, and one that a search found has no rival twice as
+// probable. Four trees show a half, and one contradicting check may be by chance. The trunks within
+// 1.5 detection ranges check the present position.
 constexpr double kVagueSd_m = 1.0;
 constexpr double kVagueSpacings = 0.3;
 constexpr double kSure = 1.0 - 1.0 / 8'000.0;
 constexpr double kUnlikely = 0.1;
+constexpr double kRivalled = 0.5;
 constexpr int kExpectedTreesMin = 4;
 constexpr int kContradictionsMin = 2;
 constexpr double kNearby_ranges = 1.5;
@@ -48,10 +50,6 @@ constexpr double kNearby_ranges = 1.5;
 constexpr double kUnmeasuredSpeedSd_mps = 0.5;
 constexpr double kUnmeasuredYawRateSd_radps = 0.3;
 constexpr double kMaxStep_s = 1e6;
-
-// derived: what is farther from the present position cannot be its own error.
-constexpr double kRivalDistance_m = 1.0;
-constexpr double kRivalRotation_rad = 0.3;
 
 std::string pose_text(const PoseHypothesis& hypothesis) {
   return "(" + fixed_text(hypothesis.T_map_base.x(), 1) + ", " +
@@ -174,6 +172,7 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
   tracker_.start(start, covariance);
   belief_.emplace(map_);
   belief_->start_stated(start, covariance);
+  must_be_tested_ = !map_.was_in_range(start.head<2>());
   tracking_ = true;
   state_.clear();
 }
@@ -294,10 +293,16 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
   }
   // Base has moved since the search began; T_local_base is relative to its frame.
   const PoseHypothesis& hypothesis = result.hypotheses.front();
-  belief_.reset();
-  place_at(compose(hypothesis.T_map_base, local_.T_local_base()),
-           compose_covariance(hypothesis.T_map_base, hypothesis.covariance, local_.T_local_base(),
-                              local_.pose_covariance()));
+  const Eigen::Vector3d T_map_base = compose(hypothesis.T_map_base, local_.T_local_base());
+  const Eigen::Matrix3d covariance =
+      compose_covariance(hypothesis.T_map_base, hypothesis.covariance, local_.T_local_base(),
+                         local_.pose_covariance());
+  const double likeliest = belief_ ? belief_->place().weight : 0.0;
+  if (likeliest > kUnlikely && belief_->probability_at(T_map_base) < kRivalled * likeliest) return;
+  belief_.emplace(map_);
+  belief_->start(T_map_base, covariance);
+  must_be_tested_ = false;
+  place_at(T_map_base, covariance);
 }
 
 void PriorMapLocaliser::place_at(const Eigen::Vector3d& T_map_base,
@@ -337,11 +342,11 @@ std::string PriorMapLocaliser::warning() const {
            fixed_text(100.0 * belief_->probability_at(tracker_.T_map_base()), 0) + " %";
   }
   // A place at which most landmarks in view are missed is none.
-  if (belief_ && !tracking_ && (state_.empty() || belief_->place().num_seen >= kTrunksMin)) {
-    const PlaceBelief::Place& place = belief_->place();
+  if (belief_ && !tracking_ && (state_.empty() || belief_->place().seen >= kTrunksMin)) {
+    const WeighedPlace& place = belief_->place();
     return "AMBIGUOUS: the trunks around do not tell the place; the likeliest, (" +
            fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
-           ") m, has " + fixed_text(100.0 * place.probability, 0) + " %; drive on";
+           ") m, has " + fixed_text(100.0 * place.weight, 0) + " %; drive on";
   }
   if (!tracking_) return state_;
   if (num_unreliable_ > 0) {
@@ -399,17 +404,6 @@ void PriorMapLocaliser::track(const std::vector<ScanObservation>& observations) 
     }
     restart_local_map();
   }
-  if (search_ && search_->step(kHypothesesPerScan)) {
-    const bool is_rivalled = has_rival(search_->result());
-    search_.reset();
-    if (is_rivalled) {
-      declare_lost(
-          "the trunks around the robot fit another place much better; it may have been carried "
-          "there",
-          true);
-      return;
-    }
-  }
   if (trees_gone || local_.travel_m() - checked_travel_m_ >= kSearchInterval_m)
     check_present_pose(trees);
 }
@@ -422,7 +416,7 @@ void PriorMapLocaliser::become_vague() {
   if (!belief_) {
     belief_.emplace(map_);
     belief_->start(tracker_.T_map_base(), tracker_.covariance());
-    untested_m_ = 0.0;
+    must_be_tested_ = false;
   }
   leave_tracker();
 }
@@ -435,14 +429,13 @@ void PriorMapLocaliser::leave_tracker() {
 }
 
 /// Weighs all places of a map that is not too large for it, beside the search. Along one row some
-/// place of another orchard fits as well, too: one of thousands is taken after it was held for two
-/// windows, while most of at least six landmarks in view are seen.
+/// place of another orchard fits as well, too: one of thousands must pass `PatternTest`.
 void PriorMapLocaliser::believe_anywhere() {
   if (is_too_large_) return;
   belief_.emplace(map_);
   is_too_large_ = !belief_->start_anywhere();
   if (is_too_large_) belief_.reset();
-  untested_m_ = 2.0 * config_.window_m;
+  must_be_tested_ = true;
 }
 
 /// Takes the place that the belief has come to, which confirms a stated start or ends it. It goes
@@ -455,17 +448,25 @@ void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observa
     return;
   }
   if (!is_corrected) return;
-  const PlaceBelief::Place& place = belief_->place();
+  if (belief_->test().is_failed()) {
+    declare_lost(
+        "the trunks around fit no place of the prior map better than another orchard's would; this "
+        "part may not be in it",
+        false);
+    return;
+  }
+  const WeighedPlace& place = belief_->place();
   const double at_tracker = tracking_ ? belief_->probability_at(tracker_.T_map_base()) : 0.0;
-  const bool is_tested =
-      untested_m_ == 0.0 || (place.held_m >= untested_m_ && place.num_seen >= kTrunksMin &&
-                             place.seen >= kDetectedFraction);
-  const bool is_sure = place.probability >= kSure && is_tested && !is_vague(place.covariance);
-  is_confirmed_ |= at_tracker >= kSure;
+  const bool is_tested = !must_be_tested_ || belief_->test().is_passed();
+  const bool is_sure = place.weight >= kSure && is_tested && !is_vague(place.covariance);
+  if (at_tracker >= kSure) {
+    is_confirmed_ = true;
+    must_be_tested_ = false;
+  }
   if (at_tracker < kUnlikely && is_sure) {
     if (tracking_) ++num_lost_;
     place_at(place.T_map_base, place.covariance);
-    untested_m_ = 0.0;
+    must_be_tested_ = false;
     search_.reset();
   } else if (tracking_ && at_tracker < kUnlikely) {
     ++num_lost_;
@@ -481,22 +482,6 @@ PoseHypothesis PriorMapLocaliser::present_hypothesis(const HypothesisScorer& sco
       *scorer.fit(present_hypothesis, scorer.order_from(Eigen::Vector2d::Zero()));
   scorer.count_missing(hypothesis);
   return hypothesis;
-}
-
-bool PriorMapLocaliser::has_rival(const SearchResult& result) const {
-  if (result.hypotheses.empty() || result.log_fit < kLogFitMin) return false;
-  const PoseHypothesis& best = result.hypotheses.front();
-  const Eigen::Vector3d apart = best.T_map_base - held_hypothesis_.T_map_base;
-  const bool is_elsewhere = apart.head<2>().norm() > kRivalDistance_m ||
-                            std::abs(geometry::wrap_angle_rad(apart.z())) > kRivalRotation_rad;
-  return is_elsewhere && best.score > held_hypothesis_.score + kLogOddsMin;
-}
-
-void PriorMapLocaliser::start_rival_search(const LocalTrunkMap& local) {
-  LocalEvidence all = evidence(local);
-  if (search_ || all.trunks.size() < kTrunksMin) return;
-  held_hypothesis_ = present_hypothesis(HypothesisScorer(map_, config_, all));
-  search_.emplace(map_, config_, std::move(all));
 }
 
 void PriorMapLocaliser::check_present_pose(const TreeDetectionMonitor::Count& trees) {
@@ -529,11 +514,7 @@ void PriorMapLocaliser::check_present_pose(const TreeDetectionMonitor::Count& tr
         "only a few of the " + std::to_string(trees.num_trees) +
             " trees expected at the last place are visible: " + std::to_string(trees.num_detected),
         true);
-  } else if (num_contradictions_ < kContradictionsMin) {
-    return;
-  } else if (trees_there || scan_motion_) {
-    start_rival_search(contradicted_since ? *since_kidnapping_ : local_);
-  } else {
+  } else if (num_contradictions_ >= kContradictionsMin && !trees_there && !scan_motion_) {
     const double since_m =
         contradicted_since ? local_.travel_m() - kidnapping_travel_m_ : config_.window_m;
     declare_lost("the trunks of the last " + fixed_text(since_m, 0) +

@@ -64,8 +64,6 @@ class PriorMapLocaliser : public Localiser {
   void watch_belief(const std::vector<ScanObservation>& observations);
   void place_at(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
   void check_present_pose(const TreeDetectionMonitor::Count& trees);
-  void start_rival_search(const LocalTrunkMap& local);
-  bool has_rival(const SearchResult& result) const;
   void search();
   void decide_on_result(const SearchResult& result);
   void declare_lost(const std::string& why, bool forget_trunks);
@@ -86,11 +84,10 @@ class PriorMapLocaliser : public Localiser {
   PriorMapTracker tracker_;
   /// In place of the tracker where trunks look alike, then beside it to doubt the place.
   std::optional<PlaceBelief> belief_;
-  bool is_too_large_ = false;  ///< the map, for weighing all its places
-  double untested_m_ = 0.0;    ///< travel for which a place must be held before it is taken
-  bool is_confirmed_ = false;  ///< the belief has come to the tracker's place
-  std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
-  PoseHypothesis held_hypothesis_;        ///< position when the search for a rival began
+  bool is_too_large_ = false;             ///< the map, for weighing all its places
+  bool must_be_tested_ = false;           ///< the place of belief_ may be one of another orchard
+  bool is_confirmed_ = false;             ///< the belief has come to the tracker's place
+  std::optional<PriorMapSearch> search_;  ///< for a position
 
   std::optional<std::int64_t> utime_;
   std::optional<Odometry> last_odometry_;

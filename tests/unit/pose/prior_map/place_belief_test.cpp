@@ -5,9 +5,11 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "pose/pose_config.hpp"
+#include "simulation/random.hpp"
 #include "unit/central_difference.hpp"
 
 namespace orchard::pose {
@@ -112,7 +114,7 @@ TEST(PlaceBelief, TrunksOfTheMapPullItThereAndMakeItNoSurerThanLeastSquaresDo) {
   pass(belief, observations);
   EXPECT_LT((belief.place().T_map_base - truth).head<2>().norm(), 0.03);
   EXPECT_NEAR(belief.place().T_map_base.z(), truth.z(), 0.01);
-  EXPECT_GT(belief.place().probability, 0.999);
+  EXPECT_GT(belief.place().weight, 0.999);
 
   // The normal equations with partners known, each trunk once.
   Eigen::Matrix3d A = start_covariance().inverse();
@@ -155,7 +157,7 @@ TEST(PlaceBelief, PlacesThatFitAlikeKeepTheirSharesUntilTheEndOfTheRowDecides) {
                Eigen::Vector3d(4.0, 0.01, 1e-4).asDiagonal());
   constexpr double kNear_m = 3.0;  // so that no end of the row is in view
   pass(belief, seen_from(row, middle, kNear_m), kNear_m);
-  EXPECT_LT(belief.place().probability, 0.6);
+  EXPECT_LT(belief.place().weight, 0.6);
   const double here = belief.probability_at(middle);
   const double next = belief.probability_at(middle + Eigen::Vector3d(1.4, 0.0, 0.0));
   // The start's own preference, and no more: a Gaussian of 2 m, 0.4 m ahead.
@@ -165,7 +167,7 @@ TEST(PlaceBelief, PlacesThatFitAlikeKeepTheirSharesUntilTheEndOfTheRowDecides) {
   const Eigen::Vector3d to_end(14.0, 0.0, 0.0);
   belief.move(to_end, Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal(), 0.0);
   for (int i = 0; i < 3; ++i) pass(belief, seen_from(row, compose(middle, to_end), kRange_m));
-  EXPECT_GT(belief.place().probability, 0.99);
+  EXPECT_GT(belief.place().weight, 0.99);
   EXPECT_NEAR(belief.place().T_map_base.x(), 28.0, 0.1);
 }
 
@@ -175,7 +177,7 @@ TEST(PlaceBelief, AStartThatWasStatedOneTreeTooFarIsMendedByTheEndOfTheRow) {
   const Eigen::Vector3d truth(26.6, 0.0, 0.0), stated(25.2, 0.0, 0.0);
   PlaceBelief belief(map);
   belief.start_stated(stated, Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal());
-  EXPECT_NEAR(belief.place().probability, 0.9, 1e-9);
+  EXPECT_NEAR(belief.place().weight, 0.9, 1e-9);
   const std::vector<ScanObservation> observations = seen_from(row, truth, kRange_m);
   for (int i = 0; i < 10; ++i) pass(belief, observations);
   EXPECT_GT(belief.probability_at(truth), 0.99);
@@ -194,12 +196,51 @@ TEST(PlaceBelief, StartedAnywhereItFindsTheOnlyPlaceThatFits) {
   const Eigen::Vector3d turned(15.4 - 5.6, 2.5 - 1.25, 0.3 - geometry::kPi);
   PlaceBelief belief(map);
   ASSERT_TRUE(belief.start_anywhere());
-  EXPECT_LT(belief.place().probability, 0.01);
+  EXPECT_LT(belief.place().weight, 0.01);
   pass(belief, seen_from(block, truth, kRange_m));
   EXPECT_GT(belief.probability_at(truth), 0.99);
   EXPECT_LT(belief.probability_at(turned), 0.01);
   EXPECT_LT((belief.place().T_map_base - truth).norm(), 0.1);
   EXPECT_GT(belief.place().seen, 0.8);
+}
+
+/// Six rows of trees along x, 4 m apart, each tree off its place by some decimetres.
+std::vector<Eigen::Vector2d> planted(std::uint64_t seed) {
+  simulation::Random random(seed, simulation::Stream::kScene);
+  std::vector<Eigen::Vector2d> trees;
+  for (int row = 0; row < 6; ++row) {
+    for (int i = 0; i < 55; ++i) {
+      trees.push_back({2.5 * i + random.normal(0.0, 0.15), 4.0 * row + random.normal(0.0, 0.15)});
+    }
+  }
+  return trees;
+}
+
+/// Drives 120 m along the middle of an orchard with a map, from the start that is stated; counts
+/// the corrections after which the place has passed and failed the test.
+std::pair<int, int> driven(const std::vector<Eigen::Vector2d>& trees, const PriorMap& map) {
+  PlaceBelief belief(map);
+  Eigen::Vector3d truth(5.0, 10.0, 0.0);
+  belief.start(truth, Eigen::Vector3d(0.04, 0.04, 1e-4).asDiagonal());
+  const Eigen::Vector3d step(0.4, 0.0, 0.0);
+  std::pair<int, int> passed_failed(0, 0);
+  for (; truth.x() < 125.0; truth += step) {
+    belief.move(step, Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal(), step.x());
+    belief.correct(seen_from(trees, truth + step, kRange_m), all_around(kRange_m));
+    passed_failed.first += belief.test().is_passed();
+    passed_failed.second += belief.test().is_failed();
+  }
+  return passed_failed;
+}
+
+TEST(PatternTest, APlaceOfTheMapPassesAndAnotherOrchardOfThePatternNeverDoes) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const PriorMap own = map_of(planted(seed));
+    const auto [passed, failed] = driven(planted(seed), own);
+    EXPECT_GT(passed, 0) << seed;
+    EXPECT_EQ(failed, 0) << seed;
+    EXPECT_EQ(driven(planted(seed + 50), own).first, 0) << seed;
+  }
 }
 
 TEST(PlaceBelief, AMapOfTooManyPlacesIsLeftToTheSearch) {

@@ -209,7 +209,10 @@ TEST(PriorMapLocaliser, CarriedByWholeTreeSpacingsItNoticesSoonAndKeepsWhatItSaw
                                 {{0.0, 20.0}, {third_m + 10.0, third_m + 21.0}}, seed, {}, 30.0);
     EXPECT_GE(localiser.num_lost(), 1) << seed;
     EXPECT_LT(outcome.lost_m, 24.0) << seed;
-    EXPECT_TRUE(outcome.warned("may have been carried")) << seed;
+    // In the first, the trees that are missing at the last place are noticed before.
+    EXPECT_TRUE(outcome.warned("may have been carried") ||
+                outcome.warned("trees expected at the last place"))
+        << seed;
     EXPECT_GT(outcome.num_poses, 0) << seed << ": " << localiser.warning();
     EXPECT_LT(outcome.worst_m, 0.3) << seed;
   }

@@ -18,6 +18,8 @@ namespace orchard::pose {
 class PlaceBelief {
  public:
   explicit PlaceBelief(const PriorMap& map);
+  PlaceBelief(const PlaceBelief&) = delete;  // its test refers to its likelihood
+  PlaceBelief& operator=(const PlaceBelief&) = delete;
 
   /// Starts from a Gaussian.
   void start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);

@@ -30,9 +30,11 @@ constexpr std::size_t kPlacesMax = 8'000;
 constexpr double kStartSpacings = 1.5;
 constexpr std::size_t kStartsMax = 100'000;
 
-// derived: a start that is stated wrongly is off by a row or two.
-constexpr double kMisstated = 0.1;
+// derived: one start in ten is stated wrongly, by a row or two, and as many motions that scans
+// could not confirm are off by a plant, as scans along a row fit one plant farther, too.
+constexpr double kMistaken = 0.1;
 constexpr double kMisstatedSpacings = 2.0;
+constexpr double kMismatchedSpacings = 1.0;
 
 // derived: travel between corrections [m], a tenth of the way on which a trunk is in view; between
 // them base moves unseen by less than a landmark's own error, and turns as that moves a trunk at
@@ -85,11 +87,22 @@ void PlaceBelief::start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d
 void PlaceBelief::start_stated(const Eigen::Vector3d& T_map_base,
                                const Eigen::Matrix3d& covariance) {
   start(T_map_base, covariance);
-  places_.front().weight = place_.weight = 1.0 - kMisstated;
-  const double off_m2 = square(kMisstatedSpacings * map_.spacing_m());
-  const Eigen::Vector3d off(off_m2, off_m2, 0.0);
-  places_.push_back({T_map_base, covariance, kMisstated});
-  places_.back().covariance.diagonal() += off;
+  doubt(kMisstatedSpacings);
+  place_.weight = places_.front().weight;
+}
+
+/// Each place may be off by some spacings.
+void PlaceBelief::doubt(double spacings) {
+  const double off_m2 = square(spacings * map_.spacing_m());
+  const std::size_t num = places_.size();
+  for (std::size_t i = 0; i < num; ++i) {
+    WeighedPlace off = places_[i];
+    places_[i].weight *= 1.0 - kMistaken;
+    off.weight *= kMistaken;
+    if (off.weight < kImprobable) continue;
+    off.covariance.diagonal() += Eigen::Vector3d(off_m2, off_m2, 0.0);
+    places_.push_back(off);
+  }
 }
 
 bool PlaceBelief::start_anywhere() {
@@ -124,6 +137,7 @@ void PlaceBelief::begin(std::size_t places_max) {
   places_max_ = places_max;
   travel_m_ = 0.0;
   since_ = {};
+  is_motion_doubted_ = false;
   test_.clear();
 }
 
@@ -135,6 +149,8 @@ void PlaceBelief::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d
 }
 
 void PlaceBelief::move_places() {
+  if (is_motion_doubted_) doubt(kMismatchedSpacings);
+  is_motion_doubted_ = false;
   const Eigen::Vector3d spread(square(kSpread_m), square(kSpread_m), square(kSpread_rad));
   for (WeighedPlace& place : places_) {
     place.move(since_.T_map_base, since_.covariance);

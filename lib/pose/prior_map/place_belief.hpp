@@ -34,6 +34,10 @@ class PlaceBelief {
   /// length of the way.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance, double travel_m);
 
+  /// Tells that a motion since the last correction was not confirmed: one in ten of such is off by
+  /// a spacing.
+  void doubt_motion() { is_motion_doubted_ = true; }
+
   /// Corrects the places by a scan, in proportion to the travel since the scan that last did: a
   /// trunk in view for long counts once. Returns false before a third of a metre, without a change.
   bool correct(const std::vector<ScanObservation>& observations, const FieldOfView& field);
@@ -52,6 +56,7 @@ class PlaceBelief {
 
  private:
   void begin(std::size_t places_max);
+  void doubt(double spacings);
   void move_places();
   void split();
   bool split(std::size_t place);
@@ -69,6 +74,7 @@ class PlaceBelief {
   // Since the last correction.
   double travel_m_ = 0.0;
   WeighedPlace since_;
+  bool is_motion_doubted_ = false;
 };
 
 }  // namespace orchard::pose

@@ -117,6 +117,7 @@ void PriorMapLocaliser::add(const laser::Scan& scan) {
   last_motion_ = *motion;
   num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
   move(motion->T_from_to, motion->covariance);
+  if (belief_ && tracking_ && !motion->reliable) belief_->doubt_motion();
 }
 
 void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
@@ -338,7 +339,7 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 
 std::string PriorMapLocaliser::warning() const {
   if (belief_ && tracking_ && !is_confirmed_) {
-    return "UNCONFIRMED: the trunks around do not tell yet whether the stated start is right: " +
+    return "UNCONFIRMED: the trunks around do not tell yet whether this place is right: " +
            fixed_text(100.0 * belief_->probability_at(tracker_.T_map_base()), 0) + " %";
   }
   // A place at which most landmarks in view are missed is none.
@@ -459,10 +460,8 @@ void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observa
   const double at_tracker = tracking_ ? belief_->probability_at(tracker_.T_map_base()) : 0.0;
   const bool is_tested = !must_be_tested_ || belief_->test().is_passed();
   const bool is_sure = place.weight >= kSure && is_tested && !is_vague(place.covariance);
-  if (at_tracker >= kSure) {
-    is_confirmed_ = true;
-    must_be_tested_ = false;
-  }
+  is_confirmed_ = at_tracker >= kSure;
+  if (is_confirmed_) must_be_tested_ = false;
   if (at_tracker < kUnlikely && is_sure) {
     if (tracking_) ++num_lost_;
     place_at(place.T_map_base, place.covariance);

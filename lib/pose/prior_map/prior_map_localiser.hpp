@@ -27,8 +27,9 @@ namespace orchard::pose {
 /// tracking it gives poses, and returns to searching if expected trees are missing or the local
 /// trunks contradict the position. In a map of some hundred trees it weighs all places beside the
 /// search. A position that has become vague is AMBIGUOUS, without a pose, until the trunks tell it
-/// again; a stated start is UNCONFIRMED, with a pose, until they have told it. Uses Detections and
-/// Odometry, or scans with `motion: scans`.
+/// again; a stated start is UNCONFIRMED, with a pose, until they have told it, and so is a place
+/// whose last motion scans could not confirm. Uses Detections and Odometry, or scans with
+/// `motion: scans`.
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument if the landmarks are not suitable (see problem_with). `mount` and

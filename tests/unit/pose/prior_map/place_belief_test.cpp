@@ -184,6 +184,29 @@ TEST(PlaceBelief, AStartThatWasStatedOneTreeTooFarIsMendedByTheEndOfTheRow) {
   EXPECT_LT(belief.probability_at(stated), 0.01);
 }
 
+/// How probable the true place is after a motion that went one tree less far than was measured, and
+/// the end of the row; `is_doubted`: nothing had confirmed that motion.
+double found_after_a_mismatch(bool is_doubted) {
+  const std::vector<Eigen::Vector2d> row = row_of(21, 1.4);
+  const PriorMap map = map_of(row);
+  const Eigen::Vector3d before(14.0, 0.0, 0.0), truth(26.6, 0.0, 0.0);
+  const Eigen::Matrix3d P = Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal();
+  PlaceBelief belief(map);
+  belief.start(before, P);
+  constexpr double kNear_m = 3.0;  // so that no end of the row is in view
+  pass(belief, seen_from(row, before, kNear_m), kNear_m);
+  belief.move(Eigen::Vector3d(14.0, 0.0, 0.0), 0.1 * P, 0.0);
+  for (int i = 0; i < 20 && is_doubted; ++i) belief.doubt_motion();  // no more often than it moved
+  for (int i = 0; i < 10; ++i) pass(belief, seen_from(row, truth, kRange_m));
+  EXPECT_LT(belief.num_places(), 100u);
+  return belief.probability_at(truth);
+}
+
+TEST(PlaceBelief, AMotionThatScansFittedOneTreeTooFarIsMendedIfNothingConfirmedIt) {
+  EXPECT_LT(found_after_a_mismatch(false), 0.01);
+  EXPECT_GT(found_after_a_mismatch(true), 0.99);
+}
+
 TEST(PlaceBelief, StartedAnywhereItFindsTheOnlyPlaceThatFits) {
   // Two rows with gaps; half a turn of the block is another place, where the gaps do not fit.
   std::vector<Eigen::Vector2d> block;

@@ -31,13 +31,6 @@ constexpr double kCell_m = 2.0 * PriorMapConfig::kLandmarkSd_m;
 constexpr double kPlaceSpacings = 0.25;
 constexpr double kPlaceSd_rad = 0.5 * kPlaceSpacings;
 
-/// Of a point at `arm_m` from base, in the axes of map, by base's pose.
-Eigen::Matrix<double, 2, 3> jacobian(const Eigen::Vector2d& arm_m) {
-  Eigen::Matrix<double, 2, 3> H;
-  H << 1.0, 0.0, -arm_m.y(), 0.0, 1.0, arm_m.x();
-  return H;
-}
-
 float distance_m(const std::vector<ScanObservation>& observations, const Eigen::Vector2d& p_base) {
   double d2 = std::numeric_limits<float>::max();
   for (const ScanObservation& s : observations) {
@@ -156,7 +149,7 @@ void PlaceLikelihood::find_partners(const WeighedPlace& place, const Target& tar
                                     std::vector<Partner>& partners) const {
   const Eigen::Vector2d arm_m = geometry::rotation(place.T_map_base.z()) * target.p_base;
   const Eigen::Vector2d p_map = place.T_map_base.head<2>() + arm_m;
-  const Eigen::Matrix<double, 2, 3> H = jacobian(arm_m);
+  const Eigen::Matrix<double, 2, 3> H = geometry::point_jacobian(arm_m);
   const Eigen::Matrix2d C = H * place.covariance * H.transpose();
   // Where the place tells no trunk from the next, it learns nothing from one.
   if (0.5 * C.trace() > square(2.0 * place_sd_m_)) return;
@@ -205,7 +198,7 @@ double PlaceLikelihood::correct(WeighedPlace& place, const ScanView& scan, doubl
     const double probability =
         seen.share_of(partner.ratio, ratios[i], map_.repeat(partner.landmark));
     num_seen += probability;
-    const Eigen::Matrix<double, 2, 3> H = jacobian(partner.arm_m);
+    const Eigen::Matrix<double, 2, 3> H = geometry::point_jacobian(partner.arm_m);
     information += share * probability / partner.variance_m2 * H.transpose() * H;
     gradient += share * probability / partner.variance_m2 * H.transpose() * partner.offset_m;
   }

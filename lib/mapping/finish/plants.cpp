@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "geometry/point_grid.hpp"
@@ -96,13 +98,6 @@ Landmark of_seen_most(const Landmark& seen_most, const std::vector<std::int32_t>
   return seen_most;
 }
 
-/// Mean number of other landmarks within `reach_m` of one.
-double num_companions(const PlacedLandmarks& all, double reach_m) {
-  std::size_t num = 0;
-  for (const Eigen::Vector2d& p : all.places.points()) num += all.places.within(p, reach_m).size();
-  return static_cast<double>(num) / static_cast<double>(all.landmarks.size()) - 1.0;
-}
-
 /// Median distance from a landmark to the nearest other one [m]; 0 without any within
 /// `reach_max_m`.
 double nearest_distance_m(const PlacedLandmarks& all, double reach_max_m) {
@@ -144,9 +139,7 @@ std::size_t num_labelled_trees(const std::vector<Landmark>& landmarks) {
 constexpr std::size_t kPlantsPerTreeInRow = 3;
 
 /// Reach of a plant [m]: a third of the spacing of the rows, which appear when the parts are
-/// thinned out step by step: those with most trees. 0 if these are few of the plants so joined, if
-/// the plants stand in no row, if most trees stand in rows as they are, or if a landmark has on
-/// average less than one companion.
+/// thinned out step by step: those with most trees. 0 if these are few of the plants so joined.
 double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
   double reach_m = 0.0;
   std::size_t most = 0;
@@ -154,7 +147,6 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
     const PlacedLandmarks thin(joined(all.landmarks, plants_of(all, thinned_m), of_seen_most));
     const std::vector<Row> rows = find_rows(thin.landmarks, config);
     const std::size_t num = num_trees(rows);
-    if (thinned_m == 0.0 && 2 * num > num_labelled_trees(thin.landmarks)) return 0.0;
     if (num > most) {
       most = num;
       reach_m = tuning::kOnePlace_spacings * spacing_of_m(rows);
@@ -163,10 +155,30 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
     if (nearest_m <= thinned_m) break;
     thinned_m = nearest_m;
   }
-  if (num_companions(all, reach_m) < 1.0) return 0.0;
   const auto plants = joined(all.landmarks, plants_of(all, reach_m), of_seen_most);
-  const bool has_rows = !find_rows(plants, config).empty();
-  return has_rows && kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
+  return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
+}
+
+/// True if what stands beside the stems of the plants in rows is part of them: it is a tree about
+/// as often as any landmark. Other things beside trunks, as weeds and posts, are none.
+bool are_parts(const PlacedLandmarks& all, const std::vector<Plant>& plants,
+               const RowsConfig& config) {
+  std::set<std::int32_t> in_rows;
+  for (const Row& row : find_rows(joined(all.landmarks, plants, of_seen_most), config)) {
+    for (const RowSlot& slot : row.places) in_rows.insert(slot.landmark_id);
+  }
+  std::map<std::int32_t, bool> is_tree;
+  for (const Landmark& l : all.landmarks) is_tree[l.id] = l.label == detection::Label::kTree;
+  std::size_t num = 0, num_of_trees = 0;
+  for (const Plant& plant : plants) {
+    const std::int32_t stem = all.landmarks[plant.stem].id;
+    if (in_rows.count(stem) == 0) continue;
+    for (const std::int32_t id : plant.parts) {
+      num += id != stem ? 1u : 0u;
+      num_of_trees += id != stem && is_tree[id] ? 1u : 0u;
+    }
+  }
+  return 2 * num_of_trees * all.landmarks.size() > num * num_labelled_trees(all.landmarks);
 }
 
 }  // namespace
@@ -177,7 +189,8 @@ std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsCon
   const PlacedLandmarks all(std::move(landmarks));
   const double reach_m = reach_of_plants_m(all, config);
   if (reach_m <= 0.0) return all.landmarks;
-  return joined(all.landmarks, plants_of(all, reach_m), place);
+  const std::vector<Plant> plants = plants_of(all, reach_m);
+  return are_parts(all, plants, config) ? joined(all.landmarks, plants, place) : all.landmarks;
 }
 
 }  // namespace orchard::mapping

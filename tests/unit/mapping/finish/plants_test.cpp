@@ -133,6 +133,44 @@ TEST(Plants, LandmarksThatStandApartStay) {
   }
 }
 
+/// A landmark beside every `step`-th tree, at a fifth of the spacing.
+std::vector<Landmark> with_neighbours(const test::Planted& block, const test::Plan& plan, int step,
+                                      Label label, std::mt19937_64& random) {
+  std::vector<Landmark> all = block.landmarks;
+  for (std::size_t i = 0; i < block.landmarks.size(); i += static_cast<std::size_t>(step)) {
+    const double angle = uniform(random, 0.0, 2.0 * geometry::kPi);
+    Landmark& beside = all.emplace_back(block.landmarks[i]);
+    beside.id = kFirstPart + static_cast<int>(i);
+    beside.label = label;
+    beside.num_observations /= 2;
+    beside.x_m += 0.2 * plan.tree_spacing_m * std::cos(angle);
+    beside.y_m += 0.2 * plan.tree_spacing_m * std::sin(angle);
+  }
+  return all;
+}
+
+TEST(Plants, AFewTreesMappedTwiceAreOneEach) {
+  std::mt19937_64 random(7);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    const test::Planted block = planted(plan, random);
+    const std::vector<Landmark> all = with_neighbours(block, plan, 4, Label::kTree, random);
+    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), block.landmarks.size());
+  }
+}
+
+TEST(Plants, WeedsBesideTrunksAreNoPartOfThem) {
+  std::mt19937_64 random(8);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    const test::Planted block = planted(plan, random);
+    const std::vector<Landmark> all = with_neighbours(block, plan, 2, Label::kObject, random);
+    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), all.size());
+  }
+}
+
 TEST(Plants, WithoutRowsNothingTellsStemsFromPlants) {
   std::mt19937_64 random(3);
   for (int k = 0; k < kBlocks; ++k) {

@@ -28,7 +28,7 @@ constexpr std::size_t kPlacesMax = 8'000;
 // derived: a robot that sees trunks is near some; and a bound on the cost of a scan until most of
 // the cells are given up: those of some hundred trees.
 constexpr double kStartSpacings = 1.5;
-constexpr std::size_t kStartsMax = 100'000;
+constexpr std::size_t kStartsMax = 200'000;
 
 // derived: a start that is stated wrongly is off by a row or two, a motion that scans could not
 // confirm by a plant, as scans along a row fit one plant farther, too. One in ten of both is: a

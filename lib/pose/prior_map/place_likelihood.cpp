@@ -144,15 +144,19 @@ std::vector<PlaceLikelihood::Target> PlaceLikelihood::targets_of(
   return targets;
 }
 
-/// Appends the landmarks that the observation may be, if base is at the place.
-void PlaceLikelihood::find_partners(const WeighedPlace& place, const Target& target,
-                                    std::vector<Partner>& partners) const {
-  const Eigen::Vector2d arm_m = geometry::rotation(place.T_map_base.z()) * target.p_base;
+/// Appends the landmarks that the observation may be, if base is at the place; `arm_m`: from there
+/// to it, in the axes of map.
+void PlaceLikelihood::find_partners(const WeighedPlace& place, const Eigen::Vector2d& arm_m,
+                                    const Target& target, std::vector<Partner>& partners) const {
+  // Where the place tells no trunk from the next, it learns nothing from one. That holds for most
+  // trunks of most places at a start, so no matrix is made to see it.
+  const Eigen::Matrix3d& P = place.covariance;
+  const double trace_m2 = P(0, 0) + P(1, 1) + P(2, 2) * arm_m.squaredNorm() +
+                          2.0 * (arm_m.x() * P(1, 2) - arm_m.y() * P(0, 2));
+  if (0.5 * trace_m2 > square(2.0 * place_sd_m_)) return;
   const Eigen::Vector2d p_map = place.T_map_base.head<2>() + arm_m;
   const Eigen::Matrix<double, 2, 3> H = geometry::point_jacobian(arm_m);
-  const Eigen::Matrix2d C = H * place.covariance * H.transpose();
-  // Where the place tells no trunk from the next, it learns nothing from one.
-  if (0.5 * C.trace() > square(2.0 * place_sd_m_)) return;
+  const Eigen::Matrix2d C = H * P * H.transpose();
   grid_.near(p_map.x(), p_map.y(), reach_m_, [&](std::int32_t i) {
     const Eigen::Vector2d offset_m = map_[i].p_map - p_map;
     if (offset_m.squaredNorm() > square(reach_m_)) return;
@@ -169,7 +173,10 @@ void PlaceLikelihood::find_partners(const WeighedPlace& place, const Target& tar
 std::vector<PlaceLikelihood::Partner> PlaceLikelihood::partners_of(
     const WeighedPlace& place, const std::vector<Target>& targets) const {
   std::vector<Partner> partners;
-  for (const Target& target : targets) find_partners(place, target, partners);
+  const Eigen::Matrix2d R_map_base = geometry::rotation(place.T_map_base.z());
+  for (const Target& target : targets) {
+    find_partners(place, R_map_base * target.p_base, target, partners);
+  }
   std::stable_sort(partners.begin(), partners.end(),
                    [](const Partner& a, const Partner& b) { return a.landmark < b.landmark; });
   return partners;

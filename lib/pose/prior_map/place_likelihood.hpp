@@ -65,7 +65,7 @@ class PlaceLikelihood {
   };
 
   static std::vector<Target> targets_of(const std::vector<ScanObservation>& observations);
-  void find_partners(const WeighedPlace& place, const Target& target,
+  void find_partners(const WeighedPlace& place, const Eigen::Vector2d& arm_m, const Target& target,
                      std::vector<Partner>& partners) const;
   std::vector<Partner> partners_of(const WeighedPlace& place,
                                    const std::vector<Target>& targets) const;

@@ -159,8 +159,9 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
   return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
 }
 
-/// True if what stands beside the stems of the plants in rows is part of them: it is a tree about
-/// as often as any landmark. Other things beside trunks, as weeds and posts, are none.
+/// True if most of what stands beside the stems of the plants in rows is part of them. Parts are
+/// trees as often as any landmark is, other things beside trunks, as weeds, never: so it is where
+/// the share of trees is more than half that of all landmarks.
 bool are_parts(const PlacedLandmarks& all, const std::vector<Plant>& plants,
                const RowsConfig& config) {
   std::set<std::int32_t> in_rows;

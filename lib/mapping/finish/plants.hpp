@@ -20,9 +20,9 @@ using CommonPlace =
 ///
 /// A scan cannot tell two stems of one plant from two plants; the planting does. What stands within
 /// a third of the spacing of this map's rows is one plant, if what stands so near to the trees in
-/// rows is itself a tree about as often as any landmark: its most often seen tree (without a tree,
-/// its most often seen part), at the common place of its parts. Hedges and walls are no parts. Maps
-/// without rows and those whose landmarks stand apart are left as they are.
+/// rows is itself a tree more than half as often as any landmark: its most often seen tree (without
+/// a tree, its most often seen part), at the common place of its parts. Hedges and walls are no
+/// parts. Maps without rows and those whose landmarks stand apart are left as they are.
 std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsConfig& config,
                                   const CommonPlace& place);
 

@@ -25,8 +25,8 @@ constexpr double kSplitVariances = 1.5;
 constexpr double kImprobable = 1e-8;
 constexpr std::size_t kPlacesMax = 8'000;
 
-// derived: a robot that sees trunks is near some; and a bound on the cost of a scan until most of
-// the cells are given up: those of some hundred trees.
+// derived: a robot that sees trunks is near some; and a bound on the cost until most of the cells
+// are given up, a minute of one core: those of some hundred trees.
 constexpr double kStartSpacings = 1.5;
 constexpr std::size_t kStartsMax = 200'000;
 

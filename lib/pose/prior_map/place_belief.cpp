@@ -25,9 +25,8 @@ constexpr double kSplitVariances = 1.5;
 constexpr double kImprobable = 1e-8;
 constexpr std::size_t kPlacesMax = 8'000;
 
-// derived: a robot that sees trunks is near some; and a bound on the cost until most of the cells
-// are given up, a minute of one core: those of some hundred trees.
-constexpr double kStartSpacings = 1.5;
+// derived: a bound on the cost until most of the cells are given up, a minute of one core: those of
+// some hundred trees.
 constexpr std::size_t kStartsMax = 200'000;
 
 // derived: a start that is stated wrongly is off by a row or two, a motion that scans could not
@@ -106,10 +105,10 @@ void PlaceBelief::doubt(double spacings) {
   }
 }
 
-bool PlaceBelief::start_anywhere() {
+bool PlaceBelief::start_anywhere(double reach_m) {
   const double step_m = 2.0 * place_sd_m_, step_rad = 2.0 * place_sd_rad_;
   const int num_headings = static_cast<int>(std::ceil(2.0 * geometry::kPi / step_rad));
-  const int reach = static_cast<int>(std::ceil(kStartSpacings * map_.spacing_m() / step_m));
+  const int reach = static_cast<int>(std::ceil(reach_m / step_m));
   std::set<std::pair<int, int>> cells;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(map_.size()); ++i) {
     const int x = static_cast<int>(std::floor(map_[i].p_map.x() / step_m));

@@ -26,9 +26,9 @@ class PlaceBelief {
   /// Starts from a place that somebody stated: one in ten of these is off by some spacings.
   void start_stated(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
 
-  /// Starts anywhere within one and a half spacings of a landmark, with any heading. False, and no
-  /// change, where these are more places than can be weighed.
-  bool start_anywhere();
+  /// Starts anywhere within `reach_m` [m] of a landmark, with any heading. False, and no change,
+  /// where these are more places than can be weighed.
+  bool start_anywhere(double reach_m);
 
   /// Moves all places by T_base_next (x [m], y [m], yaw [rad]) with its covariance; `travel_m`: the
   /// length of the way.

@@ -151,7 +151,7 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   local_.observe(observations, field_);
   watch_for_kidnapping(observations);
   if (tracking_ && is_vague(tracker_.covariance())) become_vague();
-  if (!tracking_ && !belief_ && observations.size() >= kTrunksMin) believe_anywhere();
+  if (!tracking_ && !belief_) believe_anywhere(observations);
   if (belief_) watch_belief(observations);
   if (tracking_) {
     track(observations);
@@ -298,8 +298,7 @@ void PriorMapLocaliser::decide_on_result(const SearchResult& result) {
   const Eigen::Matrix3d covariance =
       compose_covariance(hypothesis.T_map_base, hypothesis.covariance, local_.T_local_base(),
                          local_.pose_covariance());
-  const double likeliest = belief_ ? belief_->place().weight : 0.0;
-  if (likeliest > kUnlikely && belief_->probability_at(T_map_base) < kRivalled * likeliest) return;
+  if (belief_ && belief_->probability_at(T_map_base) < kRivalled * belief_->place().weight) return;
   belief_.emplace(map_);
   belief_->start(T_map_base, covariance);
   must_be_tested_ = false;
@@ -429,14 +428,21 @@ void PriorMapLocaliser::leave_tracker() {
   num_contradictions_ = 0;
 }
 
-/// Weighs all places of a map that is not too large for it, beside the search. Along one row some
-/// place of another orchard fits as well, too: one of thousands must pass `PatternTest`.
-void PriorMapLocaliser::believe_anywhere() {
-  if (is_too_large_) return;
+/// Weighs all places of the map, if these are not too many, beside the search: base is as near to a
+/// landmark as the farthest of the six nearest trunks, unless none of these is one. Along one row
+/// some place of another orchard fits as well, too: one of thousands must pass `PatternTest`.
+void PriorMapLocaliser::believe_anywhere(const std::vector<ScanObservation>& observations) {
+  if (observations.size() < kTrunksMin) return;
+  std::vector<double> ranges_m;
+  for (const ScanObservation& s : observations) ranges_m.push_back(s.p_base.norm());
+  std::nth_element(ranges_m.begin(), ranges_m.begin() + (kTrunksMin - 1), ranges_m.end());
+  const double reach_m = ranges_m[kTrunksMin - 1];
+  if (reach_m >= too_far_m_) return;
   belief_.emplace(map_);
-  is_too_large_ = !belief_->start_anywhere();
-  if (is_too_large_) belief_.reset();
   must_be_tested_ = true;
+  if (belief_->start_anywhere(reach_m)) return;
+  belief_.reset();
+  too_far_m_ = reach_m;
 }
 
 /// Takes the place that the belief has come to, which confirms a stated start or ends it. It goes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,7 +60,7 @@ class PriorMapLocaliser : public Localiser {
 
   void track(const std::vector<ScanObservation>& observations);
   bool is_vague(const Eigen::Matrix3d& covariance) const;
-  void believe_anywhere();
+  void believe_anywhere(const std::vector<ScanObservation>& observations);
   void become_vague();
   void leave_tracker();
   void watch_belief(const std::vector<ScanObservation>& observations);
@@ -85,7 +86,8 @@ class PriorMapLocaliser : public Localiser {
   PriorMapTracker tracker_;
   /// In place of the tracker where trunks look alike, then beside it to doubt the place.
   std::optional<PlaceBelief> belief_;
-  bool is_too_large_ = false;             ///< the map, for weighing all its places
+  /// Distance from a landmark [m] within which the map has too many places to weigh.
+  double too_far_m_ = std::numeric_limits<double>::infinity();
   bool must_be_tested_ = false;           ///< the place of belief_ may be one of another orchard
   bool is_confirmed_ = false;             ///< the belief has come to the tracker's place
   std::optional<PriorMapSearch> search_;  ///< for a position

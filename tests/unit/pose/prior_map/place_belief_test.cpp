@@ -218,7 +218,7 @@ TEST(PlaceBelief, StartedAnywhereItFindsTheOnlyPlaceThatFits) {
   const Eigen::Vector3d truth(5.6, 1.25, 0.3);
   const Eigen::Vector3d turned(15.4 - 5.6, 2.5 - 1.25, 0.3 - geometry::kPi);
   PlaceBelief belief(map);
-  ASSERT_TRUE(belief.start_anywhere());
+  ASSERT_TRUE(belief.start_anywhere(2.1));
   EXPECT_LT(belief.place().weight, 0.01);
   pass(belief, seen_from(block, truth, kRange_m));
   EXPECT_GT(belief.probability_at(truth), 0.99);
@@ -269,7 +269,7 @@ TEST(PatternTest, APlaceOfTheMapPassesAndAnotherOrchardOfThePatternNeverDoes) {
 TEST(PlaceBelief, AMapOfTooManyPlacesIsLeftToTheSearch) {
   PriorMap map = map_of(row_of(4000, 1.4));
   PlaceBelief belief(map);
-  EXPECT_FALSE(belief.start_anywhere());
+  EXPECT_FALSE(belief.start_anywhere(2.1));
 }
 
 TEST(PlaceBelief, WithoutATrunkInSightItSpreadsAndIsGivenUp) {

@@ -123,6 +123,23 @@ TEST(PriorMapLocaliser, FindsItsPlaceFromNothing) {
   }
 }
 
+TEST(PriorMapLocaliser, FindsItsPlaceInAislesSixTimesAsWideAsItsTreesStandApart) {
+  PriorWorldOptions options = small();
+  options.trees_per_row = 30;
+  options.row_spacing_m = 6.0;
+  options.tree_spacing_m = 1.0;
+  options.jitter_m = 0.05;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const PriorWorld world = prior_world(seed, options);
+    PriorMapLocaliser localiser(config_of(), mapped(world, seed));
+    const double from_m = 25.0 * static_cast<double>(seed);
+    const Outcome outcome =
+        run(localiser, changed(world, seed, 0.05), {{from_m, from_m + 10.0}}, seed);
+    EXPECT_GT(outcome.found_m, 0.0) << seed;
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+  }
+}
+
 TEST(PriorMapLocaliser, RowsThatObservationAlikeAreAmbiguousAndGiveNoPose) {
   PriorWorldOptions options = small();
   options.jitter_m = options.missing_fraction = options.width_sd_m = 0.0;

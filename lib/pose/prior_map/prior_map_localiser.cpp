@@ -156,7 +156,7 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   if (tracking_) {
     track(observations);
   } else {
-    search();  // a place that fits far better than all others goes before the belief
+    search();  // it may find a place before the belief is sure, but none that this refutes
   }
 }
 

@@ -24,7 +24,7 @@ using geometry::square;
 constexpr std::array<double, 5> kFractions{0.1, 0.3, 0.5, 0.7, 0.9};
 constexpr double kReachSigmas = 3.5;
 constexpr double kClutter_m = 1.0;
-constexpr double kCell_m = 2.0 * PriorMapConfig::kLandmarkSd_m;
+constexpr double kViewCell_m = 2.0 * PriorMapConfig::kLandmarkSd_m;
 
 // derived: a Gaussian of a quarter of the spacing has one partner for a trunk, also if its heading
 // errs by as much at two spacings.
@@ -93,12 +93,12 @@ class PlaceLikelihood::SeenAndMissed {
 PlaceLikelihood::ScanView::ScanView(const std::vector<ScanObservation>& observations,
                                     const FieldOfView& field)
     : range_m_(field.range_m()),
-      half_(static_cast<int>(std::ceil(range_m_ / kCell_m))),
+      half_(static_cast<int>(std::ceil(range_m_ / kViewCell_m))),
       targets_(targets_of(observations)) {
   const geometry::OcclusionTest occlusion = occlusion_by(observations);
   for (int y = -half_; y <= half_; ++y) {
     for (int x = -half_; x <= half_; ++x) {
-      const Eigen::Vector2d p_base(kCell_m * x, kCell_m * y);
+      const Eigen::Vector2d p_base(kViewCell_m * x, kViewCell_m * y);
       const bool in_view = field.covers(p_base) && !occlusion.occludes(p_base);
       nearest_m_.push_back(in_view ? distance_m(observations, p_base) : -1.0F);
     }
@@ -106,8 +106,8 @@ PlaceLikelihood::ScanView::ScanView(const std::vector<ScanObservation>& observat
 }
 
 double PlaceLikelihood::ScanView::nearest_m(const Eigen::Vector2d& p_base) const {
-  const int x = static_cast<int>(std::lround(p_base.x() / kCell_m));
-  const int y = static_cast<int>(std::lround(p_base.y() / kCell_m));
+  const int x = static_cast<int>(std::lround(p_base.x() / kViewCell_m));
+  const int y = static_cast<int>(std::lround(p_base.y() / kViewCell_m));
   if (std::max(std::abs(x), std::abs(y)) > half_) return -1.0;
   return nearest_m_[static_cast<std::size_t>((y + half_) * (2 * half_ + 1) + x + half_)];
 }

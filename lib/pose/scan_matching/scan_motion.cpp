@@ -287,13 +287,6 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
   return match;
 }
 
-Eigen::Matrix3d unknown_motion() {
-  return Eigen::Vector3d(kUnknownShiftSd_m * kUnknownShiftSd_m,
-                         kUnknownShiftSd_m * kUnknownShiftSd_m,
-                         kUnknownTurnSd_rad * kUnknownTurnSd_rad)
-      .asDiagonal();
-}
-
 Eigen::Matrix3d information_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
                                const ScanMatch& match) {
   const double weight = match.weight;
@@ -338,7 +331,7 @@ ScanMotion::ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount
 }
 
 ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
-  Expected expected{last_motion_, unknown_motion(), unknown_motion()};
+  Expected expected;
   if (wheels_.started()) {
     wheels_.advance_to(utime);
     if (wheels_.time_since_motion_s() <= PoseConfig::kOdometryGapMax_s) {
@@ -353,10 +346,16 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
           (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();
       if (expected.is_measured) {
         expected.covariance = covariance;
-        expected.P_base = compose_covariance(Eigen::Vector3d::Zero(), P_base_, m.delta, covariance);
+        expected.P_weighed = expected.P_base =
+            compose_covariance(Eigen::Vector3d::Zero(), P_base_, m.delta, covariance);
       }
     }
     wheels_.restart(OdometryCalibration::Zero());
+  }
+  if (expected.is_guess && utime_) {
+    const SteadyMotion::Forecast steady = steady_.forecast(timing::seconds(utime - *utime_));
+    expected.T_from_to = steady.T_from_to;
+    expected.P_weighed = steady.covariance + least_motion();
   }
   return expected;
 }
@@ -389,10 +388,9 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
         shift_max_m, kSearchSigmas * std::sqrt(expected.P_base.topLeftCorner<2, 2>().trace()));
     turn_max_rad = std::min(geometry::kPi, kSearchSigmas * std::sqrt(expected.P_base(2, 2)));
   } else {
-    Eigen::Vector3d straight_on = last_motion_;
-    straight_on.z() = 0.0;
-    if (expected.T_from_to != last_motion_) guesses.push_back(compose(T_map_base_, last_motion_));
-    guesses.push_back(compose(T_map_base_, straight_on));
+    const Eigen::Vector3d on = expected.is_guess ? expected.T_from_to : steady_.last();
+    if (!expected.is_guess) guesses.push_back(compose(T_map_base_, on));
+    guesses.push_back(compose(T_map_base_, {on.x(), on.y(), 0.0}));
     guesses.push_back(T_map_base_);
     if (predicted) guesses.push_back(compose(T_map_base_, *predicted));
   }
@@ -410,29 +408,32 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(T_map_base_.z());
   const Eigen::Matrix3d told = information_of(matcher, few, match);
-  Eigen::Matrix3d known = R * expected.P_base.inverse() * R.transpose();
+  Eigen::Matrix3d known = R * expected.P_weighed.inverse() * R.transpose();
   Eigen::Matrix3d P = (told + known).inverse();
   Eigen::Vector3d apart = match.T_map_base - T_expected;
   apart.z() = geometry::wrap_angle_rad(apart.z());
   if (!P.allFinite() || !apart.allFinite()) return motion;
-  bool is_contradicted = false;
-  if (expected.is_measured) {
-    const double distance2 = apart.dot((known - known * P * known) * apart);
-    learn_surprise(surprise_ * distance2 / 3.0);
-    is_contradicted = distance2 > kContradictionMax;
-  }
+  const double distance2 = apart.dot((known - known * P * known) * apart);
+  if (expected.is_measured) learn_surprise(surprise_ * distance2 / 3.0);
+  const Eigen::Matrix3d unknown = unknown_motion().inverse();
+  const bool is_impossible = expected.is_guess && apart.dot(unknown * apart) > kContradictionMax;
+  const bool is_contradicted = expected.is_measured ? distance2 > kContradictionMax : is_impossible;
   // A good fit tells that the wheels slip; a poor one that contradicts them is none. Nor is one to
   // which no return is drawn from where the wheels expect it: along a row the next trunk fits, too.
   const bool is_elsewhere = apart.head<2>().norm() > kPairMax_m;
-  if (is_contradicted) known = unknown_motion().inverse();
+  if (is_contradicted) known = unknown;
+  // A robot turns and stops: the farther a scan is from what was foretold, the less that weighs.
+  if (expected.is_guess) known = known / std::max(1.0, distance2 / 3.0) + unknown;
   P = (told + known).inverse();
-  if (!is_contradicted || (match.score >= kScoreGood && !is_elsewhere)) {
+  if (!is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere)) {
     motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
   }
+  // What the last motions foretell is no measurement of this one.
+  if (expected.is_guess) P = (told + unknown).inverse();
   if (is_contradicted) P += apart * apart.transpose();
   P_base_ = R.transpose() * P * R;
   P_base_ = 0.5 * (P_base_ + P_base_.transpose()).eval();
-  motion.reliable = match.score >= kScoreReliable && is_sure(P_base_) && !is_contradicted;
+  motion.reliable = match.score >= kScoreReliable && is_sure(P) && !is_contradicted;
   motion.is_guess = expected.is_guess && !motion.reliable;
   // A good fit after a poor one also mends the motion before.
   motion.covariance = P_base_ + P_before;
@@ -451,7 +452,7 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
   }
   const MeasuredMotion motion = matched(scan, expected, predicted, points);
   travel_m_ += motion.T_from_to.head<2>().norm();
-  last_motion_ = motion.T_from_to;
+  steady_.add(motion.T_from_to, timing::seconds(scan.utime - *utime_), motion.reliable);
   velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
   T_map_base_ = compose(T_map_base_, motion.T_from_to);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();

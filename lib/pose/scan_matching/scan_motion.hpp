@@ -13,6 +13,7 @@
 #include "pose/motion.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/point_map.hpp"
+#include "pose/scan_matching/steady_motion.hpp"
 #include "pose/tuning.hpp"
 
 namespace orchard::pose {
@@ -76,9 +77,6 @@ class ScanMatcher {
 Eigen::Matrix3d information_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
                                const ScanMatch& match);
 
-/// Returns the covariance of a motion that is only predicted.
-Eigen::Matrix3d unknown_motion();
-
 /// Returns the covariance of a fit where nothing else is known: undetermined directions keep that
 /// of unknown_motion().
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
@@ -100,9 +98,9 @@ struct MeasuredMotion {
 ///
 /// The motion is the most probable one given what the scan tells and what was expected: what the
 /// wheels measured, with their noise and the prior of their calibration; without them, the last
-/// motion once more, per scan and not per second, because time stamps of recordings may be
-/// stretched. So directions that scans do not determine (along a smooth wall, with too few returns)
-/// are the wheels', or have a large covariance. A pure function of the sequence of measurements.
+/// motion once more (`SteadyMotion`). So directions that scans do not determine (along a smooth
+/// wall, with too few returns) are the wheels', or have a large covariance. A pure function of the
+/// sequence of measurements.
 class ScanMotion {
  public:
   ScanMotion(const PoseConfig& config, const laser::LaserConfig& mount,
@@ -120,11 +118,12 @@ class ScanMotion {
  private:
   /// What is expected of a motion before the scan is looked at, in the axes of base before it.
   struct Expected {
-    Eigen::Vector3d T_from_to;
-    Eigen::Matrix3d covariance;  ///< of the motion
-    Eigen::Matrix3d P_base;      ///< of base in the local map, after it
-    bool is_guess = true;        ///< the wheels tell nothing
-    bool is_measured = false;    ///< by the wheels, surely enough to help
+    Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = unknown_motion();  ///< of the motion
+    Eigen::Matrix3d P_base = unknown_motion();      ///< of base in the local map, after it
+    Eigen::Matrix3d P_weighed = unknown_motion();  ///< P_base, or of what the last motions foretell
+    bool is_guess = true;                          ///< the wheels tell nothing
+    bool is_measured = false;                      ///< by the wheels, surely enough to help
   };
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);
@@ -149,7 +148,7 @@ class ScanMotion {
   /// be wrong, and the next good one mends it.
   Eigen::Matrix3d P_base_ = Eigen::Matrix3d::Zero();
   bool was_reliable_ = true;
-  Eigen::Vector3d last_motion_ = Eigen::Vector3d::Zero();
+  SteadyMotion steady_;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< per second, in base
   bool velocity_known_ = false;
   double travel_m_ = 0.0;

@@ -140,7 +140,13 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   const auto comparison = compare(trees, map);
   SCOPED_TRACE(report(trees, comparison));
   EXPECT_LE(comparison.num_tree_landmarks, 90);
-  EXPECT_GE(comparison.num_with(1), static_cast<int>(trees.size()) - 2);
+  // Of things less than a third of the rows' spacing apart one is the tree, and what is seen
+  // seldom, at the ends of rows, comes and goes with a scan: up to five are missing, by the scans
+  // lost.
+  EXPECT_GE(comparison.num_with(1), static_cast<int>(trees.size()) - 5);
+  for (std::size_t i = 0; i < trees.size() / 3; ++i) {  // those seen best
+    EXPECT_EQ(comparison.num_landmarks[i], 1) << trees[i].x_m << ", " << trees[i].y_m;
+  }
   EXPECT_EQ(comparison.num_doubled(), 0);
   EXPECT_EQ(num_rows_of(map, 6), 5);
   EXPECT_LT(sharpest_turn_rad(map), 0.5) << "a row is straight, give or take a bend";

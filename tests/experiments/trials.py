@@ -932,6 +932,11 @@ def vineyard(lab, seeds):
         path = lab.path(folder, source / "poses.csv")["ape_position_m"]
         quality = [finding["name"] for finding in json.loads((folder / "summary.json").read_text())["quality"]]
         figures[key] = f"{path['rmse']:.2f} m, {path['max']:.1f} m; " + (", ".join(quality) or "no doubt")
+    alone = lab.made("laser_alone", {"log": log.name},
+                     lambda made: altered_log(log / "drive.lcm", made / "drive.lcm", lambda channel, data: None if channel == "ODOMETRY" else data))
+    paths = [lab.path(lab.map(alone, lab.rig(VINEYARD, {"pose.mode": mode, "pose.motion": "scans"}), "--quiet"), source / "poses.csv")["ape_position_m"]
+             for mode in ("odometry", "slam")]
+    figures["alone"] = "; ".join(f"{path['rmse']:.2f} m, {path['max']:.1f} m" for path in paths)
     tracked = {"track": {"pose.mode": "slam", "pose.motion": "scans", "pose.slam.use_fixes": "true"}, "track_alone": {"pose.mode": "fixes"}}
     for key, changes in tracked.items():
         figures[key] = surveyed(lab.map(log, lab.rig(VINEYARD, changes), "--quiet"), source / "truth.csv")

@@ -388,6 +388,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
         shift_max_m, kSearchSigmas * std::sqrt(expected.P_base.topLeftCorner<2, 2>().trace()));
     turn_max_rad = std::min(geometry::kPi, kSearchSigmas * std::sqrt(expected.P_base(2, 2)));
   } else {
+    // Wheels that are doubted may be worse than no wheels, so the last motion is tried beside them.
     const Eigen::Vector3d on = expected.is_guess ? expected.T_from_to : steady_.last();
     if (!expected.is_guess) guesses.push_back(compose(T_map_base_, on));
     guesses.push_back(compose(T_map_base_, {on.x(), on.y(), 0.0}));

@@ -5,7 +5,7 @@
 
 namespace orchard::pose {
 
-/// Returns the covariance of a motion of which nothing is known.
+/// Returns the covariance of a motion of base (x, y, yaw) of which nothing is known [m2, m2, rad2].
 Eigen::Matrix3d unknown_motion();
 
 /// What a robot does until the next scan if nothing measures it: its last motion once more, per
@@ -17,13 +17,16 @@ class SteadyMotion {
     Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();  ///< x [m], y [m], yaw [rad]
     Eigen::Matrix3d covariance = unknown_motion();        ///< of it, by the forecasts so far
   };
-  /// Returns the motion of the next `dt_s` [s], above 0.
+
+  /// Returns what base does in the next `dt_s` [s], above 0, in its axes before. Until
+  /// three motions were seen, its covariance is unknown_motion().
   Forecast forecast(double dt_s) const;
 
-  /// Takes the motion of the last `dt_s` [s], above 0; `is_seen`: forecasts are judged by it.
+  /// Takes the motion of base of the last `dt_s` [s], above 0, in its axes before: x [m], y [m],
+  /// yaw [rad]. `is_seen`: a scan told it, so the forecasts are judged by it.
   void add(const Eigen::Vector3d& T_from_to, double dt_s, bool is_seen);
 
-  /// Returns the last motion that was added.
+  /// Returns the last motion that was added: x [m], y [m], yaw [rad]; none: zero.
   const Eigen::Vector3d& last() const { return last_; }
 
  private:

@@ -266,8 +266,7 @@ std::optional<double> Mapper::tree_scatter_m() const {
 
 LabelConflicts Mapper::label_conflicts() const { return count_label_conflicts(impl_->map); }
 
-Landmark Mapper::common_place(const Landmark& seen_most,
-                              const std::vector<std::int32_t>& parts) const {
+Landmark Mapper::common_place(const Landmark& start, const std::vector<std::int32_t>& parts) const {
   const MapState& map = impl_->map;
   std::vector<WeightedPoint> points;
   for (const std::int32_t id : parts) {
@@ -277,8 +276,8 @@ Landmark Mapper::common_place(const Landmark& seen_most,
     }
   }
   const PositionMode mode =
-      position_mode(points, {seen_most.x_m, seen_most.y_m}, map.config.centre_kernel_m);
-  Landmark l = seen_most;
+      position_mode(points, {start.x_m, start.y_m}, map.config.centre_kernel_m);
+  Landmark l = start;
   l.x_m = mode.p_map.x();
   l.y_m = mode.p_map.y();
   l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};

@@ -87,8 +87,9 @@ class Mapper {
   /// Number of landmarks whose observations disagree on the class.
   LabelConflicts label_conflicts() const;
 
-  /// `seen_most` at the densest place of the newest observations of all `parts` (ids, known ones).
-  Landmark common_place(const Landmark& seen_most, const std::vector<std::int32_t>& parts) const;
+  /// `start` at the densest place near it of the newest observations of all `parts` (ids, known
+  /// ones).
+  Landmark common_place(const Landmark& start, const std::vector<std::int32_t>& parts) const;
 
   /// All landmarks with at least `min_observations` observations judged by camera or laser, in
   /// order of id, with positions from all current observations.

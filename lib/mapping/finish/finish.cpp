@@ -70,8 +70,8 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
   if (config.rows.enabled) {
     std::vector<Landmark> plants =
         join_plants(map.landmarks, config.rows,
-                    [&mapper](const Landmark& seen_most, const std::vector<std::int32_t>& parts) {
-                      return mapper.common_place(seen_most, parts);
+                    [&mapper](const Landmark& stem, const std::vector<std::int32_t>& trees) {
+                      return mapper.common_place(stem, trees);
                     });
     if (plants.size() != map.landmarks.size()) {
       map.landmarks = std::move(plants);

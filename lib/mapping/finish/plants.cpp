@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "geometry/point_grid.hpp"
@@ -28,75 +29,57 @@ struct PlacedLandmarks {
 
 /// A landmark that stands for a plant, by index.
 struct Plant {
-  std::size_t seen_most = 0;        ///< its most often seen part
-  std::size_t stem = 0;             ///< its most often seen tree; without one, seen_most
+  std::size_t stem = 0;             ///< its most often seen tree; without one, its most seen part
   std::vector<std::int32_t> parts;  ///< ids of all its landmarks
+  std::vector<std::int32_t> alike;  ///< ids of those of the stem's class
 };
 
 /// A hedge or wall: its position is that of its middle, beside which anything may stand.
 bool is_long(const Landmark& l) { return l.length_m > 0.0; }
 
-/// The plants of a map, when their parts lie within `reach_m` of the part that is seen most.
+/// The plants of a map, when their parts lie within `reach_m` of their stem.
 std::vector<Plant> plants_of(const PlacedLandmarks& all, double reach_m) {
   const std::vector<Landmark>& l = all.landmarks;
+  const auto rank = [&](std::size_t i) {
+    return std::tuple(l[i].label != detection::Label::kTree, -l[i].num_observations, l[i].id);
+  };
   std::vector<std::size_t> order(l.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (l[a].num_observations != l[b].num_observations) {
-      return l[a].num_observations > l[b].num_observations;
-    }
-    return l[a].id < l[b].id;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   std::vector<char> is_part(l.size(), 0);
   std::vector<Plant> plants;
   for (const std::size_t i : order) {
     if (is_part[i]) continue;
-    Plant plant{i, i, {}};
-    if (is_long(l[i])) {
-      plants.push_back(std::move(plant));
-      continue;
-    }
+    Plant& plant = plants.emplace_back(Plant{i, {}, {}});
+    if (is_long(l[i])) continue;
     for (const std::int32_t near : all.places.within(all.places[i], reach_m)) {
       const auto k = static_cast<std::size_t>(near);
       if (is_part[k] || is_long(l[k])) continue;
       is_part[k] = 1;
       plant.parts.push_back(l[k].id);
-      if (l[k].label != detection::Label::kTree) continue;
-      const Landmark& stem = l[plant.stem];
-      const bool is_more = stem.label != detection::Label::kTree ||
-                           l[k].num_observations > stem.num_observations ||
-                           (l[k].num_observations == stem.num_observations && l[k].id < stem.id);
-      if (is_more) plant.stem = k;
+      if (l[k].label == l[i].label) plant.alike.push_back(l[k].id);
     }
-    plants.push_back(std::move(plant));
   }
   return plants;
 }
 
-/// Each plant as one landmark: its stem, at its common place.
-std::vector<Landmark> joined(const std::vector<Landmark>& landmarks,
-                             const std::vector<Plant>& plants, const CommonPlace& place) {
-  std::vector<Landmark> all;
+/// Each plant as one landmark: its stem, at the common place of those of its class.
+std::vector<Landmark> joined(const PlacedLandmarks& all, const std::vector<Plant>& plants,
+                             const CommonPlace& place) {
+  std::vector<Landmark> ones;
+  ones.reserve(plants.size());
   for (const Plant& plant : plants) {
-    Landmark& l = all.emplace_back(landmarks[plant.stem]);
-    if (plant.parts.size() < 2) continue;
-    const Landmark at = place(landmarks[plant.seen_most], plant.parts);
-    l.x_m = at.x_m;
-    l.y_m = at.y_m;
-    l.covariance = at.covariance;
-    l.se_x_m = at.se_x_m;
-    l.se_y_m = at.se_y_m;
-    l.num_observations = at.num_observations;
+    const Landmark& stem = all.landmarks[plant.stem];
+    ones.push_back(plant.alike.size() < 2 ? stem : place(stem, plant.alike));
   }
-  std::sort(all.begin(), all.end(),
+  std::sort(ones.begin(), ones.end(),
             [](const Landmark& a, const Landmark& b) { return a.id < b.id; });
-  return all;
+  return ones;
 }
 
-/// The place of the part that is seen most.
-Landmark of_seen_most(const Landmark& seen_most, const std::vector<std::int32_t>&) {
-  return seen_most;
-}
+/// The place of the stem alone.
+Landmark of_stem(const Landmark& stem, const std::vector<std::int32_t>&) { return stem; }
 
 /// Median distance from a landmark to the nearest other one [m]; 0 without any within
 /// `reach_max_m`.
@@ -144,7 +127,7 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
   double reach_m = 0.0;
   std::size_t most = 0;
   for (double thinned_m = 0.0; thinned_m < tuning::kOnePlace_spacings * kSpacingMax_m;) {
-    const PlacedLandmarks thin(joined(all.landmarks, plants_of(all, thinned_m), of_seen_most));
+    const PlacedLandmarks thin(joined(all, plants_of(all, thinned_m), of_stem));
     const std::vector<Row> rows = find_rows(thin.landmarks, config);
     const std::size_t num = num_trees(rows);
     if (num > most) {
@@ -155,7 +138,7 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
     if (nearest_m <= thinned_m) break;
     thinned_m = nearest_m;
   }
-  const auto plants = joined(all.landmarks, plants_of(all, reach_m), of_seen_most);
+  const auto plants = joined(all, plants_of(all, reach_m), of_stem);
   return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
 }
 
@@ -165,7 +148,7 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
 bool are_parts(const PlacedLandmarks& all, const std::vector<Plant>& plants,
                const RowsConfig& config) {
   std::set<std::int32_t> in_rows;
-  for (const Row& row : find_rows(joined(all.landmarks, plants, of_seen_most), config)) {
+  for (const Row& row : find_rows(joined(all, plants, of_stem), config)) {
     for (const RowSlot& slot : row.places) in_rows.insert(slot.landmark_id);
   }
   std::map<std::int32_t, bool> is_tree;
@@ -191,7 +174,7 @@ std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsCon
   const double reach_m = reach_of_plants_m(all, config);
   if (reach_m <= 0.0) return all.landmarks;
   const std::vector<Plant> plants = plants_of(all, reach_m);
-  return are_parts(all, plants, config) ? joined(all.landmarks, plants, place) : all.landmarks;
+  return are_parts(all, plants, config) ? joined(all, plants, place) : all.landmarks;
 }
 
 }  // namespace orchard::mapping

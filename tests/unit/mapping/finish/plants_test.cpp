@@ -43,7 +43,7 @@ test::Planted planted(const test::Plan& plan, std::mt19937_64& random) {
 }
 
 /// The block as scans from several sides cut it: each tree with up to five stems or shoots, and
-/// every third as a whole that is no tree and is seen more often than its stem.
+/// every third in a bush that is seen more often than its stem.
 std::vector<Landmark> cut_up(const test::Planted& block, double reach_m, std::mt19937_64& random) {
   std::vector<Landmark> all = block.landmarks;
   int id = kFirstPart;
@@ -63,14 +63,12 @@ std::vector<Landmark> cut_up(const test::Planted& block, double reach_m, std::mt
       add(uniform(random, 0.1, 0.9) * reach_m, random() % 2 == 0 ? Label::kTree : Label::kObject,
           5 + static_cast<int>(random() % 60));
     }
-    if (random() % 3 == 0) add(0.02, Label::kObject, 150);
+    if (random() % 3 == 0) add(0.3 * reach_m, Label::kObject, 150);
   }
   return all;
 }
 
-Landmark of_seen_most(const Landmark& seen_most, const std::vector<std::int32_t>&) {
-  return seen_most;
-}
+Landmark of_stem(const Landmark& stem, const std::vector<std::int32_t>&) { return stem; }
 
 TEST(Plants, StemsAndShootsOfAPlantAreOneLandmark) {
   std::mt19937_64 random(1);
@@ -79,13 +77,13 @@ TEST(Plants, StemsAndShootsOfAPlantAreOneLandmark) {
     const test::Plan plan = random_plan(random);
     const test::Planted block = planted(plan, random);
     const std::vector<Landmark> plants =
-        join_plants(cut_up(block, 0.25 * plan.tree_spacing_m, random), {}, of_seen_most);
+        join_plants(cut_up(block, 0.25 * plan.tree_spacing_m, random), {}, of_stem);
     ASSERT_EQ(plants.size(), block.landmarks.size());
     for (const Landmark& tree : block.landmarks) {
-      const auto is_here = [&](const Landmark& l) {
-        return l.label == Label::kTree && std::hypot(l.x_m - tree.x_m, l.y_m - tree.y_m) < 0.1;
+      const auto is_its_stem = [&](const Landmark& l) {
+        return l.id == tree.id && l.x_m == tree.x_m && l.y_m == tree.y_m;
       };
-      EXPECT_EQ(std::count_if(plants.begin(), plants.end(), is_here), 1) << "tree " << tree.id;
+      EXPECT_EQ(std::count_if(plants.begin(), plants.end(), is_its_stem), 1) << "tree " << tree.id;
     }
   }
 }
@@ -118,7 +116,7 @@ TEST(Plants, StakesBetweenPlantsDoNotHideTheirSpacing) {
     const std::size_t num_parts = all.size();
     add_stakes(block, plan, random, all);
     const std::size_t num_stakes = all.size() - num_parts;
-    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), block.landmarks.size() + num_stakes);
+    EXPECT_EQ(join_plants(all, {}, of_stem).size(), block.landmarks.size() + num_stakes);
   }
 }
 
@@ -129,7 +127,7 @@ TEST(Plants, LandmarksThatStandApartStay) {
     test::Plan plan = random_plan(random);
     plan.post_fraction = 0.3;
     const test::Planted block = planted(plan, random);
-    EXPECT_EQ(join_plants(block.landmarks, {}, of_seen_most).size(), block.landmarks.size());
+    EXPECT_EQ(join_plants(block.landmarks, {}, of_stem).size(), block.landmarks.size());
   }
 }
 
@@ -156,7 +154,7 @@ TEST(Plants, AFewTreesMappedTwiceAreOneEach) {
     const test::Plan plan = random_plan(random);
     const test::Planted block = planted(plan, random);
     const std::vector<Landmark> all = with_neighbours(block, plan, 4, Label::kTree, random);
-    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), block.landmarks.size());
+    EXPECT_EQ(join_plants(all, {}, of_stem).size(), block.landmarks.size());
   }
 }
 
@@ -167,7 +165,7 @@ TEST(Plants, WeedsBesideTrunksAreNoPartOfThem) {
     const test::Plan plan = random_plan(random);
     const test::Planted block = planted(plan, random);
     const std::vector<Landmark> all = with_neighbours(block, plan, 2, Label::kObject, random);
-    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), all.size());
+    EXPECT_EQ(join_plants(all, {}, of_stem).size(), all.size());
   }
 }
 
@@ -181,7 +179,7 @@ TEST(Plants, WithoutRowsNothingTellsStemsFromPlants) {
       thicket.landmarks.push_back(test::tree(i, x_m, y_m, 0.0, 80));
     }
     const std::vector<Landmark> all = cut_up(thicket, 0.5, random);
-    EXPECT_EQ(join_plants(all, {}, of_seen_most).size(), all.size());
+    EXPECT_EQ(join_plants(all, {}, of_stem).size(), all.size());
   }
 }
 
@@ -197,7 +195,7 @@ TEST(Plants, AHedgeThroughThePlantsIsNoPartOfThem) {
   hedge.length_m = 20.0;
   hedge.x_m += 0.1 * plan.tree_spacing_m;
   all.push_back(hedge);
-  const std::vector<Landmark> plants = join_plants(all, {}, of_seen_most);
+  const std::vector<Landmark> plants = join_plants(all, {}, of_stem);
   EXPECT_EQ(plants.size(), block.landmarks.size() + 1);
   EXPECT_EQ(plants.front().id, hedge.id);
   EXPECT_EQ(plants.front().length_m, hedge.length_m);
@@ -209,9 +207,9 @@ TEST(Plants, OrderOfLandmarksDoesNotMatter) {
   const test::Plan plan = random_plan(random);
   const test::Planted block = planted(plan, random);
   std::vector<Landmark> all = cut_up(block, 0.25 * plan.tree_spacing_m, random);
-  const std::vector<Landmark> once = join_plants(all, {}, of_seen_most);
+  const std::vector<Landmark> once = join_plants(all, {}, of_stem);
   std::shuffle(all.begin(), all.end(), random);
-  const std::vector<Landmark> again = join_plants(all, {}, of_seen_most);
+  const std::vector<Landmark> again = join_plants(all, {}, of_stem);
   ASSERT_EQ(once.size(), again.size());
   for (std::size_t i = 0; i < once.size(); ++i) EXPECT_EQ(once[i].id, again[i].id);
 }

@@ -53,7 +53,7 @@ struct CameraDriverConfig {
 template <class Visitor>
 void describe(Visitor& v, CameraDriverConfig& c) {
   v.text("device", c.device, "camera: /dev/video0 or pictures:FOLDER; empty = no camera");
-  v.number("rate_hz", c.rate_hz, 0.1, 120, "Hz", "max pictures per second");
+  v.expert().number("rate_hz", c.rate_hz, 0.1, 120, "Hz", "max pictures per second");
   v.expert().integer(
       "max_bytes", c.max_bytes, 1000, 4000000, "bytes",
       "max size of a picture; larger ones are compressed again; above 60000 a picture needs "

@@ -209,7 +209,6 @@ std::shared_ptr<GroundOccupancy> Mapper::ground() const {
 
 std::vector<std::int32_t> Mapper::spurious_ids(GroundOccupancy& ground) const {
   const MapState& map = impl_->map;
-  if (!map.config.existence.enabled) return {};
   std::vector<std::int32_t> ids = spurious_landmarks(map, ground);
   for (std::int32_t& id : ids) ++id;
   return ids;

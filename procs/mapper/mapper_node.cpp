@@ -58,8 +58,7 @@ std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(
 /// How long DETECTIONS wait for their SCAN, which gives free space for landmark existence and for
 /// the aisles; none if SCAN is not used.
 std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
-  const bool is_used = config.existence.enabled || config.rows.enabled;
-  const std::int64_t wait_us = is_used ? microseconds(config.existence.scan_wait_s) : 0;
+  const std::int64_t wait_us = microseconds(config.existence.scan_wait_s);
   if (wait_us <= 0) return std::nullopt;
   return wait_us;
 }
@@ -538,7 +537,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.trajectory = track_.poses();
   for (pose::PoseEstimate& pose : content.trajectory) pose.utime = timing::utime_of(pose.utime);
   content.summary = summary;
-  for (Finding& finding : mapping::findings_of(map.landmarks, config_.rows.enabled)) {
+  for (Finding& finding : mapping::findings_of(map.landmarks, config_.rows.has_rows())) {
     content.summary.quality.push_back(std::move(finding));
   }
   const auto count = [&](const char* name, Omission reason) {

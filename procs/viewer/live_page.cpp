@@ -95,7 +95,7 @@ void RowSurvey::run() {
     std::vector<mapping::Row> rows;
     mapping::NavigationGraph graph;  // of the finished map only: MAP does not tell of free ground
     if (ways != nullptr) graph = *ways;
-    if (config_.enabled && ways == nullptr) {
+    if (config_.has_rows() && ways == nullptr) {
       mapping::number_landmarks(mapping::find_rows(landmarks, config_), landmarks);
     }
     rows = mapping::numbered_rows(landmarks);

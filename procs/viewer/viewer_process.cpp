@@ -127,7 +127,7 @@ std::unique_ptr<bus::Node> ViewerProcess::make_node(const io::Config& config,
   page_ = std::make_unique<LivePage>(*box_, editor_.get(), robot.empty() ? "Live" : robot,
                                      std::string(bus::version()));
   server_ = std::make_unique<PageServer>(*page_, server);
-  if (config.mapper.rows.enabled || editor_) {
+  if (config.mapper.rows.has_rows() || editor_) {
     survey_ = std::make_unique<RowSurvey>(*box_, config.mapper.rows, editor_.get());
   }
   spdlog::info("the page is at {}{}", server_->url(), server.token.empty() ? "" : "?token=...");

@@ -105,7 +105,6 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
 void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
                              const pose::PoseEstimate& T_map_base, LandmarkTable& landmarks,
                              MapUpdate& update) {
-  if (!config_.enabled) return;
   const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
   if (last_utime_ && T_map_base.utime - *last_utime_ < period_us) return;
   last_utime_ = T_map_base.utime;

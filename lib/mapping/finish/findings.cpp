@@ -71,11 +71,11 @@ Finding few_trees(std::size_t num_trees, const std::vector<Landmark>& landmarks)
 }
 
 Finding no_rows(std::size_t num_trees) {
-  return {"no_rows", "mapper.rows.enabled",
+  return {"no_rows", "mapper.rows.numbering",
           std::to_string(num_trees) +
               " trees and no row: if they were planted in rows, the path is wrong or "
               "trees are mapped several times; look at map.png and trajectory.csv "
-              "(mapper.rows.enabled: false if there are no rows)"};
+              "(mapper.rows.numbering: none if there are no rows)"};
 }
 
 }  // namespace

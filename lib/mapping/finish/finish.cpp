@@ -64,10 +64,10 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
                      std::vector<Landmark> standing, GroundOccupancy& ground) {
   FinishedMap map;
   map.landmarks = std::move(standing);
-  if (config.rows.enabled) number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
+  if (config.rows.has_rows()) number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   const Ids apart = ids_of(map.landmarks);
   join_long(config, ground, map.landmarks);
-  if (config.rows.enabled) {
+  if (config.rows.has_rows()) {
     std::vector<Landmark> plants =
         join_plants(map.landmarks, config.rows,
                     [&mapper](const Landmark& stem, const std::vector<std::int32_t>& trees) {
@@ -78,7 +78,7 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
       number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
     }
   }
-  if (config.rows.enabled) number_trunks_in_gaps(map.landmarks);
+  if (config.rows.has_rows()) number_trunks_in_gaps(map.landmarks);
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
 }
@@ -127,7 +127,7 @@ NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,
 }
 
 void number_merged(const RowsConfig& config, std::vector<Landmark>& landmarks) {
-  if (!config.enabled) return;
+  if (!config.has_rows()) return;
   const std::vector<Landmark> known = landmarks;
   const std::vector<Row> rows = find_rows(landmarks, config);
   const bool has_numbers =

@@ -79,9 +79,8 @@ laser::LaserConfig laser_ahead() {
 /// past what stands there at each time [s]. With beams, the mapper is given those of every third
 /// scan. `overlooked` is no detection's from the second pass on.
 Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_s)>& things_at,
-             Sees sees = Sees::kBeams, const Vector2d& overlooked = {1e3, 1e3},
-             const MapperConfig& config = {}) {
-  Mapper mapper(config, {0.5, 0.0});
+             Sees sees = Sees::kBeams, const Vector2d& overlooked = {1e3, 1e3}) {
+  Mapper mapper(MapperConfig{}, {0.5, 0.0});
   Dice dice(5);
   for (int k = 0; k < 440 * num_passes; ++k) {
     const double time_s = 0.1 * k;
@@ -181,11 +180,6 @@ TEST(Existence, ADarkPostThatOnlyNearScansMeetIsNoStray) {
 TEST(Existence, WithoutBeamsNothingIsDropped) {
   const Mapper mapper = drive(2, walker_and_rows, Sees::kDetections);
   EXPECT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}, 3), 20);
-  MapperConfig off;
-  off.existence.enabled = false;
-  EXPECT_GT(num_within(drive(2, walker_and_rows, Sees::kBeams, {1e3, 1e3}, off), {-5, -1.6},
-                       {45, 1.6}, 3),
-            20);
 }
 
 TEST(Existence, AVehicleThatDroveAwayIsDropped) {

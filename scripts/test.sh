@@ -16,8 +16,9 @@ if [ "${1:-}" = --all ]; then
 fi
 scripts/install_deps.sh $packages
 scripts/build.sh all tests
-echo "== ctest --test-dir build --output-on-failure -j2 $*"
+num_jobs=$(($(nproc) + 1))  # many tests wait for messages
+echo "== ctest --test-dir build --output-on-failure -j$num_jobs $*"
 code=0
-ctest --test-dir build --output-on-failure --no-tests=error -j2 "$@" | tee build/ctest.log || code=$?
+ctest --test-dir build --output-on-failure --no-tests=error -j$num_jobs "$@" | tee build/ctest.log || code=$?
 tests/skipped_tests.sh build build/ctest.log
 exit $code

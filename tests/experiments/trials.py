@@ -906,13 +906,33 @@ mapper: {min_observations: 5}
 """
 
 
+def hull_of(points):
+    """The convex hull of points, counter-clockwise."""
+    def turns_left(a, b, c):
+        return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
+    hull = []
+    for side in (sorted(points), sorted(points, reverse=True)):
+        chain = []
+        for point in side:
+            while len(chain) > 1 and not turns_left(chain[-2], chain[-1], point):
+                chain.pop()
+            chain.append(point)
+        hull += chain[:-1]
+    return hull
+
+
+def is_in(hull, x, y):
+    return all((bx - ax) * (y - ay) >= (by - ay) * (x - ax) for (ax, ay), (bx, by) in zip(hull, hull[1:] + hull[:1]))
+
+
 def surveyed(folder, truth):
-    """A map against surveyed things in their frame: found, landmarks that are one, mapped twice, vines and posts told apart by rows."""
+    """A map against surveyed things in their frame: found, landmarks of the block that are one, mapped twice, vines and posts told apart by rows."""
     things = [(row["class"] == "tree", float(row["x_m"]), float(row["y_m"])) for row in rows_of(truth)]
     landmarks = [(row["row"] != "", float(row["x_m"]), float(row["y_m"])) for row in rows_of(folder / "map.csv")]
     apart_m = [[math.hypot(x - at_x, y - at_y) for _, x, y in landmarks] for _, at_x, at_y in things]
     found = [(is_vine, row) for (is_vine, *_), row in zip(things, apart_m) if min(row) < 0.3]
-    nearest_m = [m for m in map(min, zip(*apart_m)) if m < 1.0]
+    block = hull_of([(x, y) for _, x, y in things])
+    nearest_m = [m for m, (_, x, y) in zip(map(min, zip(*apart_m)), landmarks) if m < 0.3 or is_in(block, x, y)]
     twice = sum(sum(m < 0.3 for m in row) > 1 for row in apart_m)
     told = sum(landmarks[row.index(min(row))][0] == is_vine for is_vine, row in found)
     return (f"{len(found)} of {len(things)}; {100 * sum(m < 0.3 for m in nearest_m) / len(nearest_m):.0f} %; {twice}; "

@@ -64,7 +64,8 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
                      std::vector<Landmark> standing, GroundOccupancy& ground) {
   FinishedMap map;
   map.landmarks = std::move(standing);
-  if (config.rows.has_rows()) number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
+  if (config.rows.has_rows())
+    number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   const Ids apart = ids_of(map.landmarks);
   join_long(config, ground, map.landmarks);
   if (config.rows.has_rows()) {

@@ -64,22 +64,19 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
                      std::vector<Landmark> standing, GroundOccupancy& ground) {
   FinishedMap map;
   map.landmarks = std::move(standing);
-  if (config.rows.has_rows())
-    number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
+  number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   const Ids apart = ids_of(map.landmarks);
   join_long(config, ground, map.landmarks);
-  if (config.rows.has_rows()) {
-    std::vector<Landmark> plants =
-        join_plants(map.landmarks, config.rows,
-                    [&mapper](const Landmark& stem, const std::vector<std::int32_t>& trees) {
-                      return mapper.common_place(stem, trees);
-                    });
-    if (plants.size() != map.landmarks.size()) {
-      map.landmarks = std::move(plants);
-      number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
-    }
+  std::vector<Landmark> plants =
+      join_plants(map.landmarks, config.rows,
+                  [&mapper](const Landmark& stem, const std::vector<std::int32_t>& trees) {
+                    return mapper.common_place(stem, trees);
+                  });
+  if (plants.size() != map.landmarks.size()) {
+    map.landmarks = std::move(plants);
+    number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   }
-  if (config.rows.has_rows()) number_trunks_in_gaps(map.landmarks);
+  number_trunks_in_gaps(map.landmarks);
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
 }

@@ -76,6 +76,7 @@ void begin_at_origin(Lines& lines, const Vector2d& origin) {
 }  // namespace
 
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config) {
+  if (!config.has_rows()) return {};
   const std::vector<const Landmark*> trees = trees_of(landmarks);
   Lines lines;
   for (const Landmark* tree : trees) lines.p_map.push_back({tree->x_m, tree->y_m});

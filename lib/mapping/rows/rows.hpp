@@ -73,7 +73,7 @@ inline constexpr int kGapMax_slots = 8;
 /// is planted: inside a row by the local spacing, before its first tree by the starts of the
 /// neighbouring rows. Rows are in order of number; the result does not depend on the order of the
 /// landmarks. If trees are aligned in two directions, the one with the shorter spacing is the row
-/// direction.
+/// direction. None with numbering kNone.
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config);
 
 /// Sets the probability that each landmark is a tree by its place in the order of the rows; at

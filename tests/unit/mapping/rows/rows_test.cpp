@@ -45,6 +45,15 @@ int num_wrong(const Planted& block, const RowsConfig& config) {
   return wrong;
 }
 
+TEST(Rows, NoneAreFoundWhereNoneAreWanted) {
+  std::mt19937_64 random(1);
+  const Planted block = plant(random_plan(random), random);
+  RowsConfig config;
+  EXPECT_FALSE(find_rows(block.landmarks, config).empty());
+  config.numbering = RowNumbering::kNone;
+  EXPECT_TRUE(find_rows(block.landmarks, config).empty());
+}
+
 TEST(Rows, NumbersTwoHundredRandomOrchards) {
   int wrong_orchards = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {

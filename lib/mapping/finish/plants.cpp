@@ -174,7 +174,10 @@ std::vector<Landmark> join_plants(std::vector<Landmark> landmarks, const RowsCon
   const double reach_m = reach_of_plants_m(all, config);
   if (reach_m <= 0.0) return all.landmarks;
   const std::vector<Plant> plants = plants_of(all, reach_m);
-  return are_parts(all, plants, config) ? joined(all, plants, place) : all.landmarks;
+  if (!are_parts(all, plants, config)) return all.landmarks;
+  // Plants whose common places turn out to be one place are one plant.
+  const PlacedLandmarks placed(joined(all, plants, place));
+  return joined(placed, plants_of(placed, reach_m), of_stem);
 }
 
 }  // namespace orchard::mapping

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -155,6 +156,40 @@ TEST(Plants, AFewTreesMappedTwiceAreOneEach) {
     const test::Planted block = planted(plan, random);
     const std::vector<Landmark> all = with_neighbours(block, plan, 4, Label::kTree, random);
     EXPECT_EQ(join_plants(all, {}, of_stem).size(), block.landmarks.size());
+  }
+}
+
+TEST(Plants, PlantsWhoseCommonPlacesAreOneAreOne) {
+  std::mt19937_64 random(9);
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    const test::Planted block = planted(plan, random);
+    std::vector<Landmark> all = block.landmarks;
+    std::map<std::int32_t, Landmark> by_id;
+    // Across the row beside every fourth tree two shoots, and one that is too far from the stem.
+    for (std::size_t i = 0; i < block.landmarks.size(); i += 4) {
+      const double angle = plan.heading_rad + 0.5 * geometry::kPi;
+      for (const double away_spacings : {0.15, 0.21, 0.36}) {
+        Landmark& shoot = all.emplace_back(block.landmarks[i]);
+        shoot.id = kFirstPart + static_cast<int>(all.size());
+        shoot.num_observations /= 2;
+        shoot.x_m += away_spacings * plan.tree_spacing_m * std::cos(angle);
+        shoot.y_m += away_spacings * plan.tree_spacing_m * std::sin(angle);
+      }
+    }
+    for (const Landmark& l : all) by_id[l.id] = l;
+    const auto middle = [&](const Landmark& stem, const std::vector<std::int32_t>& trees) {
+      Landmark at = stem;
+      at.x_m = at.y_m = 0.0;
+      for (const std::int32_t id : trees) {
+        at.x_m += by_id[id].x_m / static_cast<double>(trees.size());
+        at.y_m += by_id[id].y_m / static_cast<double>(trees.size());
+      }
+      return at;
+    };
+    EXPECT_EQ(join_plants(all, {}, middle).size(), block.landmarks.size());
+    EXPECT_GT(join_plants(all, {}, of_stem).size(), block.landmarks.size());
   }
 }
 

@@ -922,6 +922,7 @@ def hull_of(points):
 
 
 def is_in(hull, x, y):
+    """True inside of a counter-clockwise convex hull, or on it."""
     return all((bx - ax) * (y - ay) >= (by - ay) * (x - ax) for (ax, ay), (bx, by) in zip(hull, hull[1:] + hull[:1]))
 
 

@@ -10,7 +10,8 @@
 
 namespace orchard::mapping {
 
-/// The stem of a plant at the place where the observations of its trees (ids) are densest.
+/// The stem of a plant at the place where the observations of its trees (ids) are densest, in the
+/// map frame [m]; without a tree, of its parts.
 using CommonPlace =
     std::function<Landmark(const Landmark& stem, const std::vector<std::int32_t>& trees)>;
 

@@ -121,9 +121,12 @@ std::size_t num_labelled_trees(const std::vector<Landmark>& landmarks) {
 /// chance.
 constexpr std::size_t kPlantsPerTreeInRow = 3;
 
-/// Reach of a plant [m]: a third of the spacing of the rows, which appear when the parts are
-/// thinned out step by step: those with most trees. 0 if these are few of the plants so joined.
-double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
+/// derived: a reach that has not come back to itself after so many rounds swings between spacings.
+constexpr int kReachRounds = 10;
+
+/// First guess of the reach of a plant [m]: a third of the spacing of the rows, which appear when
+/// the parts are thinned out step by step: those with most trees. 0 without rows.
+double guessed_reach_m(const PlacedLandmarks& all, const RowsConfig& config) {
   double reach_m = 0.0;
   std::size_t most = 0;
   for (double thinned_m = 0.0; thinned_m < tuning::kOnePlace_spacings * kSpacingMax_m;) {
@@ -138,8 +141,21 @@ double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
     if (nearest_m <= thinned_m) break;
     thinned_m = nearest_m;
   }
-  const auto plants = joined(all, plants_of(all, reach_m), of_stem);
-  return kPlantsPerTreeInRow * most > num_labelled_trees(plants) ? reach_m : 0.0;
+  return reach_m;
+}
+
+/// Reach of a plant [m]: a third of the spacing of the rows of the plants so joined. A first guess
+/// may have counted shoots midway between stems as trees. The larger one where two give each
+/// other; 0 where the trees in rows are few of the plants.
+double reach_of_plants_m(const PlacedLandmarks& all, const RowsConfig& config) {
+  double reach_m = guessed_reach_m(all, config), last_m = 0.0;
+  for (int round = 0; round < kReachRounds && reach_m != last_m; ++round) {
+    const std::vector<Landmark> plants = joined(all, plants_of(all, reach_m), of_stem);
+    const std::vector<Row> rows = find_rows(plants, config);
+    if (kPlantsPerTreeInRow * num_trees(rows) <= num_labelled_trees(plants)) return 0.0;
+    last_m = std::exchange(reach_m, tuning::kOnePlace_spacings * spacing_of_m(rows));
+  }
+  return std::max(reach_m, last_m);
 }
 
 /// True if most of what stands beside the stems of the plants in rows is part of them. Parts are

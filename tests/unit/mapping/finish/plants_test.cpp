@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +12,9 @@
 #include <vector>
 
 #include "../rows/planted_rows.hpp"
+#include "geometry/statistics.hpp"
+#include "mapping/rows/rows.hpp"
+#include "mapping/tuning.hpp"
 #include "worlds/landmark.hpp"
 
 namespace orchard::mapping {
@@ -119,6 +123,50 @@ TEST(Plants, StakesBetweenPlantsDoNotHideTheirSpacing) {
     const std::size_t num_stakes = all.size() - num_parts;
     EXPECT_EQ(join_plants(all, {}, of_stem).size(), block.landmarks.size() + num_stakes);
   }
+}
+
+/// Shoots and stakes anywhere in the rows, off their line by a tenth of the spacing.
+void add_shoots(const test::Planted& block, const test::Plan& plan, std::mt19937_64& random,
+                std::vector<Landmark>& all) {
+  int id = 2 * kFirstPart;
+  const Eigen::Rotation2Dd along_row(plan.heading_rad);
+  for (const Landmark& tree : block.landmarks) {
+    Landmark shoot = tree;
+    const Eigen::Vector2d away_m =
+        along_row * Eigen::Vector2d(uniform(random, 0.3, 0.7) * plan.tree_spacing_m,
+                                    uniform(random, -0.1, 0.1) * plan.tree_spacing_m);
+    shoot.id = ++id;
+    shoot.num_observations = 20;
+    shoot.x_m += away_m.x();
+    shoot.y_m += away_m.y();
+    all.push_back(shoot);
+  }
+}
+
+TEST(Plants, NoTwoStandWithinTheReachOfTheRowsTheyMake) {
+  std::mt19937_64 random(15);
+  int num_joined = 0;
+  for (int k = 0; k < kBlocks; ++k) {
+    SCOPED_TRACE("block " + std::to_string(k));
+    const test::Plan plan = random_plan(random);
+    std::vector<Landmark> all = planted(plan, random).landmarks;
+    for (int times = 0; times < 3; ++times) add_shoots(planted(plan, random), plan, random, all);
+    const std::vector<Landmark> plants = join_plants(all, {}, of_stem);
+    if (plants.size() == all.size()) continue;  // too few in rows
+    ++num_joined;
+    std::vector<double> spacings_m;
+    for (const Row& row : find_rows(plants, {})) {
+      spacings_m.insert(spacings_m.end(), row.places.size(), row.spacing_m);
+    }
+    const double reach_m = tuning::kOnePlace_spacings * geometry::median(spacings_m);
+    for (const Landmark& a : plants) {
+      for (const Landmark& b : plants) {
+        if (a.id >= b.id) continue;
+        EXPECT_GT(std::hypot(a.x_m - b.x_m, a.y_m - b.y_m), reach_m);
+      }
+    }
+  }
+  EXPECT_GE(num_joined, kBlocks / 4);
 }
 
 TEST(Plants, LandmarksThatStandApartStay) {

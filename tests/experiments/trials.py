@@ -1105,13 +1105,18 @@ def certainty(lab, seeds):
             place = into_track(folder, source / "poses.csv")
             stands = [(complex(t["x_m"], t["y_m"]), t["class"] == "tree") for t in things if t["drive"] == number]
             told = []  # (probability, whether it is a tree)
+            once = 0
+            marks = [place(row) for row in rows_of(folder / "map.csv") if row["class"] == "tree"]
+            for at, is_tree in stands:
+                once += is_tree and sum(abs(at - mark) < 0.5 for mark in marks) == 1
             for row in rows_of(folder / "map.csv"):
                 distance_m, is_tree = min((abs(p - place(row)), is_tree) for p, is_tree in stands)
                 told.append((row["probability"], is_tree and distance_m < 0.55))
             bins = [[(p, t) for p, t in told if min(9, int(10 * p)) == b] for b in range(10)]
             error = sum(abs(sum(p - t for p, t in one)) for one in bins) / len(told)
             judged.append((f"{error:.3f}", f"{sum(p > 0.9 and not t for p, t in told)}",
-                           f"{sum(p > 0.9 and t for p, t in told)} of {sum(t for _, t in told)}"))
+                           f"{sum(p > 0.9 and t for p, t in told)} of {sum(t for _, t in told)}",
+                           f"{once} of {sum(is_tree for _, is_tree in stands)}"))
         figures[key] = "; ".join(", ".join(each) for each in zip(*judged))
     people = []
     legs = lab.rig("pullally_laser_only", {"detector.segmentation": None, "pose.mode": "stationary", "pose.motion": None,

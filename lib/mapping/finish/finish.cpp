@@ -9,6 +9,7 @@
 #include "mapping/extent/extent.hpp"
 #include "mapping/finish/heights.hpp"
 #include "mapping/finish/plants.hpp"
+#include "mapping/rows/hidden_trees.hpp"
 #include "mapping/rows/row_numbers.hpp"
 
 namespace orchard::mapping {
@@ -77,6 +78,7 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
     number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   }
   number_trunks_in_gaps(map.landmarks);
+  if (config.judges_by_width()) name_trees_in_gaps(map.landmarks);
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
 }

@@ -546,6 +546,9 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     }
   };
   count("strays_left_out", Omission::kSpurious);
+  if (const std::size_t num = map.hidden_tree_ids.size(); num > 0) {
+    content.summary.counts.emplace_back("trunks_hidden", num);
+  }
   content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
   content.album_bytes_max = album_.max_bytes();
   content.georeference = georeference();

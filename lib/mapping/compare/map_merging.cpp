@@ -255,15 +255,20 @@ Landmark merged_landmark(const Landmark& a, const Landmark& b) {
   l.x_m = p.x();
   l.y_m = p.y();
   l.covariance = {covariance(0, 0), covariance(0, 1), covariance(1, 1)};
-  double weight_a = std::max(1, n_a), weight_b = std::max(1, n_b);
-  if (a.width_sd_m > 0.0 && b.width_sd_m > 0.0) {
-    weight_a = 1.0 / (a.width_sd_m * a.width_sd_m);
-    weight_b = 1.0 / (b.width_sd_m * b.width_sd_m);
-    l.width_sd_m = 1.0 / std::sqrt(weight_a + weight_b);
+  if (a.width_m > 0.0 && b.width_m > 0.0) {
+    double weight_a = std::max(1, n_a), weight_b = std::max(1, n_b);
+    if (a.width_sd_m > 0.0 && b.width_sd_m > 0.0) {
+      weight_a = 1.0 / (a.width_sd_m * a.width_sd_m);
+      weight_b = 1.0 / (b.width_sd_m * b.width_sd_m);
+      l.width_sd_m = 1.0 / std::sqrt(weight_a + weight_b);
+    } else {
+      l.width_sd_m = 0.0;
+    }
+    l.width_m = (weight_a * a.width_m + weight_b * b.width_m) / (weight_a + weight_b);
   } else {
-    l.width_sd_m = 0.0;
+    const Landmark& known = a.width_m > 0.0 ? a : b;
+    l.width_m = known.width_m, l.width_sd_m = known.width_sd_m;
   }
-  l.width_m = (weight_a * a.width_m + weight_b * b.width_m) / (weight_a + weight_b);
   if (a.label == Label::kUnseen || b.label == Label::kUnseen) {
     const Landmark& judged = a.label == Label::kUnseen ? b : a;
     l.label = judged.label;

@@ -78,9 +78,16 @@ FinishedMap numbered(const Mapper& mapper, const MapperConfig& config,
     number_landmarks(find_rows(map.landmarks, config.rows), map.landmarks);
   }
   number_trunks_in_gaps(map.landmarks);
-  if (config.judges_by_width()) name_trees_in_gaps(map.landmarks);
+  if (config.judges_by_width()) map.hidden_tree_ids = name_trees_in_gaps(map.landmarks);
   note_missing(apart, map.landmarks, Omission::kPart, map);
   return map;
+}
+
+void forget_widths_of_foliage(FinishedMap& map) {
+  for (Landmark& l : map.landmarks) {
+    const Ids& hidden = map.hidden_tree_ids;
+    if (std::binary_search(hidden.begin(), hidden.end(), l.id)) l.width_m = l.width_sd_m = 0.0;
+  }
 }
 
 FinishedMap finish_on(const Mapper& mapper, GroundOccupancy& ground,
@@ -113,11 +120,14 @@ FinishedMap finish(const Mapper& mapper, const pose::GroundProfile& heights) {
   const std::shared_ptr<GroundOccupancy> ground = mapper.ground();
   FinishedMap map = finish_on(mapper, *ground, heights);
   map.graph = navigation_graph_of(map.landmarks, map.rows, *ground);
+  forget_widths_of_foliage(map);  // which narrows the ways all the same
   return map;
 }
 
 FinishedMap finish_without_ways(const Mapper& mapper, const pose::GroundProfile& heights) {
-  return finish_on(mapper, *mapper.ground(), heights);
+  FinishedMap map = finish_on(mapper, *mapper.ground(), heights);
+  forget_widths_of_foliage(map);
+  return map;
 }
 
 NavigationGraph navigation_graph_of(const std::vector<Landmark>& landmarks,

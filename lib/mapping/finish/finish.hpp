@@ -30,6 +30,9 @@ struct FinishedMap {
   std::vector<Row> rows;                 ///< numbered_rows(landmarks), with their empty slots
   NavigationGraph graph;                 ///< aisles and headland paths on ground seen free
   std::vector<OmittedLandmark> omitted;  ///< in order of id
+  /// Trees that were seen as foliage in an empty slot of their row, ascending: how wide their
+  /// trunks are nobody knows.
+  std::vector<std::int32_t> hidden_tree_ids;
 
   std::size_t num_omitted(Omission reason) const;
 };

@@ -128,9 +128,10 @@ double odds_of_hiding(const std::vector<Gap>& gaps) {
 
 }  // namespace
 
-void name_trees_in_gaps(std::vector<Landmark>& landmarks) {
+std::vector<std::int32_t> name_trees_in_gaps(std::vector<Landmark>& landmarks) {
   std::vector<Gap> gaps = gaps_of(numbered_rows(landmarks), landmarks);
   const double odds = odds_of_hiding(gaps);
+  std::vector<std::int32_t> named;
   std::stable_sort(gaps.begin(), gaps.end(),
                    [](const Gap& a, const Gap& b) { return a.odds > b.odds; });
   for (const Gap& gap : gaps) {
@@ -140,7 +141,10 @@ void name_trees_in_gaps(std::vector<Landmark>& landmarks) {
     l.label = detection::Label::kTree;
     l.row = gap.row;
     l.position = gap.position;
+    named.push_back(l.id);
   }
+  std::sort(named.begin(), named.end());
+  return named;
 }
 
 }  // namespace orchard::mapping

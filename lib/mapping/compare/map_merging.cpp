@@ -223,6 +223,30 @@ Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b) {
   return l;
 }
 
+namespace {
+
+/// The width of both together. Where one is unknown it is that of the other, unless that is foliage
+/// and both are a trunk.
+void set_merged_width(const Landmark& a, const Landmark& b, Landmark& merged) {
+  if (!(a.width_m > 0.0) || !(b.width_m > 0.0)) {
+    const Landmark& known = a.width_m > 0.0 ? a : b;
+    const bool is_foliage = known.label == Label::kObject && merged.label == Label::kTree;
+    merged.width_m = is_foliage ? 0.0 : known.width_m;
+    merged.width_sd_m = is_foliage ? 0.0 : known.width_sd_m;
+    return;
+  }
+  double weight_a = std::max(1, a.num_observations), weight_b = std::max(1, b.num_observations);
+  merged.width_sd_m = 0.0;
+  if (a.width_sd_m > 0.0 && b.width_sd_m > 0.0) {
+    weight_a = 1.0 / (a.width_sd_m * a.width_sd_m);
+    weight_b = 1.0 / (b.width_sd_m * b.width_sd_m);
+    merged.width_sd_m = 1.0 / std::sqrt(weight_a + weight_b);
+  }
+  merged.width_m = (weight_a * a.width_m + weight_b * b.width_m) / (weight_a + weight_b);
+}
+
+}  // namespace
+
 std::vector<Landmark> raised(std::vector<Landmark> landmarks,
                              const std::optional<double>& raise_m) {
   for (Landmark& l : landmarks) {
@@ -255,20 +279,6 @@ Landmark merged_landmark(const Landmark& a, const Landmark& b) {
   l.x_m = p.x();
   l.y_m = p.y();
   l.covariance = {covariance(0, 0), covariance(0, 1), covariance(1, 1)};
-  if (a.width_m > 0.0 && b.width_m > 0.0) {
-    double weight_a = std::max(1, n_a), weight_b = std::max(1, n_b);
-    if (a.width_sd_m > 0.0 && b.width_sd_m > 0.0) {
-      weight_a = 1.0 / (a.width_sd_m * a.width_sd_m);
-      weight_b = 1.0 / (b.width_sd_m * b.width_sd_m);
-      l.width_sd_m = 1.0 / std::sqrt(weight_a + weight_b);
-    } else {
-      l.width_sd_m = 0.0;
-    }
-    l.width_m = (weight_a * a.width_m + weight_b * b.width_m) / (weight_a + weight_b);
-  } else {
-    const Landmark& known = a.width_m > 0.0 ? a : b;
-    l.width_m = known.width_m, l.width_sd_m = known.width_sd_m;
-  }
   if (a.label == Label::kUnseen || b.label == Label::kUnseen) {
     const Landmark& judged = a.label == Label::kUnseen ? b : a;
     l.label = judged.label;
@@ -278,6 +288,7 @@ Landmark merged_landmark(const Landmark& a, const Landmark& b) {
     l.probability = 1.0 / (1.0 + std::exp(-odds));
     if (a.label != b.label) l.label = odds > 0.0 ? Label::kTree : Label::kObject;
   }
+  set_merged_width(a, b, l);
   return l;
 }
 

@@ -43,8 +43,9 @@ struct FinishedMap {
 ///
 /// Trees of rows, stems as sharp as theirs, and trees by a camera stay separate landmarks; without
 /// a camera, parts of a hedge may be classified as trunks, and the order of the rows tells how
-/// probably a landmark is a tree (set_probability_by_order()). `heights`: of the ground along the
-/// path, for those of the landmarks (set_heights()).
+/// probably a landmark is a tree (set_probability_by_order()) and which objects in gaps of the rows
+/// are trees within foliage (name_trees_in_gaps()), whose width is 0, unknown. `heights`: of the
+/// ground along the path, for those of the landmarks (set_heights()).
 FinishedMap finish(const Mapper& mapper, const pose::GroundProfile& heights = {});
 
 /// The same without ways, which take most of the time: for a table that is saved every second.

@@ -30,7 +30,7 @@ Vector2d along_and_across_m(const Vector2d& before, const Vector2d& after, const
 }
 
 /// How far the trees of the rows stand beside the middle between their neighbours: means of
-/// exponential distributions, in spacings. Not finite without such trees.
+/// exponential distributions, in spacings. 0 without such trees.
 struct Placing {
   double along_spacings = 0.0, across_spacings = 0.0;
 

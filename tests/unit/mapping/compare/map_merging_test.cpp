@@ -93,6 +93,28 @@ TEST(Merging, HeightsAreWeightedWhereBothAreKnown) {
   }
 }
 
+TEST(Merging, AnUnknownWidthTakesThatOfATrunkButNotThatOfFoliage) {
+  Landmark hidden, trunk, foliage;
+  hidden.label = trunk.label = Label::kTree;
+  foliage.label = Label::kObject;
+  hidden.probability = trunk.probability = 0.97;
+  foliage.probability = 0.2;
+  trunk.width_m = 0.1, trunk.width_sd_m = 0.01;
+  foliage.width_m = 0.8, foliage.width_sd_m = 0.1;
+  for (const Landmark& l : {merged_landmark(hidden, trunk), merged_landmark(trunk, hidden)}) {
+    EXPECT_EQ(l.width_m, 0.1);
+    EXPECT_EQ(l.width_sd_m, 0.01);
+  }
+  for (const Landmark& l : {merged_landmark(hidden, foliage), merged_landmark(foliage, hidden)}) {
+    EXPECT_EQ(l.label, Label::kTree);
+    EXPECT_EQ(l.width_m, 0.0);
+    EXPECT_EQ(l.width_sd_m, 0.0);
+  }
+  hidden.probability = 0.6;
+  EXPECT_EQ(merged_landmark(hidden, foliage).label, Label::kObject);
+  EXPECT_EQ(merged_landmark(hidden, foliage).width_m, 0.8);
+}
+
 TEST(Merging, OneClassAgainstTheOther) {
   Landmark tree, object, unseen;
   tree.label = Label::kTree;

@@ -99,7 +99,7 @@ TEST(HiddenTrees, FoliageInTheSlotsOfRowsIsTheirTreesAndBushesBesideThemAreNot) 
     num_found += num_named(after, hidden);
     num_wrong += num_bushes_named(after);
   }
-  // Those at the ends of rows stand in no gap, and a ninth of the trees is hidden beside another.
+  // The first and last tree of a row stand in no gap.
   EXPECT_GE(num_found, num_hidden * 8 / 10) << num_hidden;
   EXPECT_LE(num_wrong, (num_found + num_wrong) / 10);
 }

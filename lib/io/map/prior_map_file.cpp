@@ -8,7 +8,6 @@
 #include <sstream>
 #include <system_error>
 
-#include "geometry/pose2.hpp"
 #include "io/companion.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
@@ -23,24 +22,6 @@ namespace {
 /// Position sigma in standard errors of the mean: observations of one pass are correlated, so a
 /// single standard error is too optimistic.
 constexpr double kStandardErrors = 2.0;
-
-constexpr double kPathStep_m = 0.5;
-
-std::vector<Eigen::Vector2d> laser_path(const StoredMap& map) {
-  std::vector<Eigen::Vector2d> path_m;
-  for (const std::vector<pose::PoseEstimate>& drive : map.trajectories) {
-    bool is_first = true;
-    for (const pose::PoseEstimate& pose : drive) {
-      const Eigen::Vector2d p =
-          geometry::transform(Eigen::Vector3d(pose.x_m, pose.y_m, pose.yaw_rad),
-                              Eigen::Vector2d(map.view.mount_x_m, map.view.mount_y_m));
-      if (!is_first && (p - path_m.back()).norm() < kPathStep_m) continue;
-      path_m.push_back(p);
-      is_first = false;
-    }
-  }
-  return path_m;
-}
 
 /// Throws FileError when the landmarks are not sufficient for localization.
 void require_places(const std::string& name, const std::vector<pose::PriorLandmark>& landmarks) {
@@ -128,8 +109,8 @@ pose::PriorMapData read_prior_map(const pose::PoseConfig& pose_config) {
   const mapping::DetectionMap view(map.landmarks, map.trajectories, map.view);
   const std::vector<double> rates = view.rates(used);
   for (std::size_t i = 0; i < used.size(); ++i) earlier.landmarks[i].rate = rates[i];
-  earlier.path_m = laser_path(map);
-  earlier.reach_m = map.view.reach_m;
+  earlier.seen_m = view.places_seen();
+  earlier.cell_m = mapping::VisibilityGrid::kCell_m;
   return earlier;
 }
 

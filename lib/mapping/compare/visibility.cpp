@@ -180,6 +180,17 @@ std::function<double(const Vector2d&)> DetectionMap::probability_missed_anywhere
   };
 }
 
+std::vector<Vector2d> DetectionMap::places_seen() const {
+  std::vector<Vector2d> seen;
+  if (!is_known_) return seen;
+  VisibilityGrid all = raster_.front();
+  all.weigh(per_second_);
+  all.visit_sums([&](const Vector2d& p_map, double expected) {
+    if (probability_missed(expected, 1.0) < 0.5) seen.push_back(p_map);
+  });
+  return seen;
+}
+
 namespace {
 
 constexpr double kViewStep_m = 0.5;  ///< derived: between two views: a cell (kCell_m)
@@ -505,6 +516,16 @@ double VisibilityGrid::sum_at(const Vector2d& p_map) const {
   if (found == sums_.end()) return 0.0;
   return found->second[static_cast<std::size_t>((cy - ty * kTileCells) * kTileCells +
                                                 (cx - tx * kTileCells))];
+}
+
+void VisibilityGrid::visit_sums(const std::function<void(const Vector2d&, double)>& visit) const {
+  for (const auto& [tile, sums] : sums_) {
+    for (int k = 0; k < kTileCells * kTileCells; ++k) {
+      visit(centre_of(tile.first * kTileCells + k % kTileCells,
+                      tile.second * kTileCells + k / kTileCells),
+            sums[static_cast<std::size_t>(k)]);
+    }
+  }
 }
 
 }  // namespace orchard::mapping

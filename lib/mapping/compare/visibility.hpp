@@ -66,6 +66,8 @@ class VisibilityGrid {
 
   /// The sum of the cell that contains a point of map; 0 before weigh().
   double sum_at(const Eigen::Vector2d& p_map) const;
+  /// Calls visit(centre, sum) for all cells of the tiles in view; none before weigh().
+  void visit_sums(const std::function<void(const Eigen::Vector2d&, double)>& visit) const;
 
  private:
   /// derived: a tile is 16 m wide.
@@ -126,6 +128,9 @@ class DetectionMap {
   /// Probability that an average tree is missed at any position, in [0, 1]; 1 if nothing is known.
   /// Computes all of the map: for who asks for more and more positions.
   std::function<double(const Eigen::Vector2d& p_map)> probability_missed_anywhere() const;
+  /// Centres of the cells of VisibilityGrid::kCell_m where an average tree would rather be mapped
+  /// than missed; none if nothing is known. As costly.
+  std::vector<Eigen::Vector2d> places_seen() const;
 
  private:
   double probability_missed(double expected, double visibility) const;

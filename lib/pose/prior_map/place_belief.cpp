@@ -165,7 +165,7 @@ bool PlaceBelief::correct(const std::vector<ScanObservation>& observations,
                           const FieldOfView& field) {
   if (travel_m_ < kCorrectionInterval_m || field.range_m() <= 0.0) return false;
   const double share = std::min(1.0, travel_m_ / (2.0 * field.range_m()));
-  const PlaceLikelihood::ScanView scan(observations, field);
+  PlaceLikelihood::ScanView scan(observations, field);
   move_places();
   test_.add(place_, scan, share);
   split();

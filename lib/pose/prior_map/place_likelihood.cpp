@@ -169,13 +169,18 @@ void PlaceLikelihood::find_partners(const WeighedPlace& place, const Eigen::Vect
   });
 }
 
-/// Returns all partners of all observations, sorted by landmark.
+/// Returns all partners of all observations, sorted by landmark, and counts the observations that
+/// have none because the map was not made there.
 std::vector<PlaceLikelihood::Partner> PlaceLikelihood::partners_of(
-    const WeighedPlace& place, const std::vector<Target>& targets) const {
+    const WeighedPlace& place, const std::vector<Target>& targets, std::size_t& num_unknown) const {
   std::vector<Partner> partners;
   const Eigen::Matrix2d R_map_base = geometry::rotation(place.T_map_base.z());
   for (const Target& target : targets) {
-    find_partners(place, R_map_base * target.p_base, target, partners);
+    const Eigen::Vector2d arm_m = R_map_base * target.p_base;
+    const std::size_t num_before = partners.size();
+    find_partners(place, arm_m, target, partners);
+    num_unknown +=
+        partners.size() == num_before && !map_.was_seen(place.T_map_base.head<2>() + arm_m);
   }
   std::stable_sort(partners.begin(), partners.end(),
                    [](const Partner& a, const Partner& b) { return a.landmark < b.landmark; });
@@ -183,7 +188,8 @@ std::vector<PlaceLikelihood::Partner> PlaceLikelihood::partners_of(
 }
 
 double PlaceLikelihood::correct(WeighedPlace& place, const ScanView& scan, double share) const {
-  const std::vector<Partner> partners = partners_of(place, scan.targets());
+  std::size_t num_unknown = 0;
+  const std::vector<Partner> partners = partners_of(place, scan.targets(), num_unknown);
   std::vector<double> ratios(partners.size(), 0.0);
   SeenAndMissed seen;
   double num_expected = 0.0, num_seen = 0.0;
@@ -214,7 +220,9 @@ double PlaceLikelihood::correct(WeighedPlace& place, const ScanView& scan, doubl
   place.T_map_base = stepped(place.T_map_base, place.covariance * gradient);
   place.seen += share * (num_seen - place.seen);
   place.expected += share * (num_expected - place.expected);
-  return std::log(seen.mean());
+  const double unknown = static_cast<double>(num_unknown);
+  place.known = 1.0 - unknown / std::max(1.0, static_cast<double>(scan.targets().size()));
+  return std::log(seen.mean()) + unknown * scan.log_unknown();
 }
 
 /// Adds the landmarks in view that no observation is near, and returns how many would be seen.

@@ -17,6 +17,7 @@ struct WeighedPlace {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double weight = 1.0;
   double seen = 0.0, expected = 0.0;  ///< landmarks in a scan, over the last pass of a trunk
+  double known = 1.0;  ///< share of the things in the last scan that stand where the map was made
 
   /// Moves it by T_base_next with its covariance.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance_next);
@@ -31,7 +32,9 @@ Eigen::Vector3d stepped(const Eigen::Vector3d& T, const Eigen::Vector3d& step);
 ///
 /// An observation may be a landmark seen again or something that is not in the map, and a landmark
 /// in view is seen or missed; how many are is unknown. The likelihood of a place is a mixture over
-/// the fraction that is seen and over all partners of a landmark.
+/// the fraction that is seen and over all partners of a landmark. Where the map was not made stand
+/// trees, too, in the same pattern: what is seen there tells as much as at another place of the
+/// map where the pattern fits.
 class PlaceLikelihood {
  public:
   /// One scan, prepared for thousands of places.
@@ -67,8 +70,8 @@ class PlaceLikelihood {
   static std::vector<Target> targets_of(const std::vector<ScanObservation>& observations);
   void find_partners(const WeighedPlace& place, const Eigen::Vector2d& arm_m, const Target& target,
                      std::vector<Partner>& partners) const;
-  std::vector<Partner> partners_of(const WeighedPlace& place,
-                                   const std::vector<Target>& targets) const;
+  std::vector<Partner> partners_of(const WeighedPlace& place, const std::vector<Target>& targets,
+                                   std::size_t& num_unknown) const;
   double add_missed(const WeighedPlace& place, const ScanView& scan, SeenAndMissed& seen) const;
 
   const PriorMap& map_;
@@ -85,6 +88,9 @@ class PlaceLikelihood::ScanView {
 
   double range_m() const { return range_m_; }
   const std::vector<Target>& targets() const { return targets_; }
+  /// What a thing tells where the map was not made: the logarithm of its likelihood over clutter's.
+  double log_unknown() const { return log_unknown_; }
+  void set_log_unknown(double log_unknown) { log_unknown_ = log_unknown; }
   /// Distance to the nearest observation [m]; negative where nothing is in view.
   double nearest_m(const Eigen::Vector2d& p_base) const;
 
@@ -93,6 +99,7 @@ class PlaceLikelihood::ScanView {
   int half_;
   std::vector<Target> targets_;
   std::vector<float> nearest_m_;
+  double log_unknown_ = 0.0;
 };
 
 }  // namespace orchard::pose

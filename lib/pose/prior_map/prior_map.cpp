@@ -112,8 +112,8 @@ std::vector<PriorLandmark> without_duplicates(const std::vector<PriorLandmark>& 
 
 PriorMap::PriorMap(PriorMapData earlier, double pair_max_m)
     : landmarks_(std::move(earlier.landmarks)),
-      path_m_(std::move(earlier.path_m)),
-      reach_m_(earlier.reach_m) {
+      is_seen_known_(!earlier.seen_m.empty()),
+      seen_(earlier.cell_m) {
   // The grid visits a cell's points in reverse order of insertion, hence in ascending order here.
   for (auto i = static_cast<std::int32_t>(landmarks_.size()) - 1; i >= 0; --i) {
     grid_.insert(i, (*this)[i].p_map);
@@ -157,18 +157,13 @@ PriorMap::PriorMap(PriorMapData earlier, double pair_max_m)
     repeat_.push_back((1.0 - kChangeFraction) * probability_same_part(num_others) *
                       probability_seen_again((*this)[i].rate, kSeenMostly));
   }
-  for (std::size_t i = path_m_.size(); i-- > 0;) {
-    path_grid_.insert(static_cast<std::int32_t>(i), path_m_[i]);
-  }
+  for (const Eigen::Vector2d& p : earlier.seen_m) seen_.insert(0, p);
 }
 
-bool PriorMap::was_in_range(const Eigen::Vector2d& p_map) const {
-  if (path_m_.empty()) return true;
-  bool is_near = false;
-  path_grid_.near(p_map.x(), p_map.y(), reach_m_, [&](std::int32_t i) {
-    is_near = is_near || (path_m_[i] - p_map).norm() < reach_m_;
-  });
-  return is_near;
+bool PriorMap::was_seen(const Eigen::Vector2d& p_map) const {
+  bool is_seen = !is_seen_known_;
+  seen_.near(p_map.x(), p_map.y(), 0.0, [&](std::int32_t) { is_seen = true; });
+  return is_seen;
 }
 
 double PriorMap::clump_reach_m() const { return pose::clump_reach_m(spacing_m_); }

@@ -25,14 +25,15 @@ struct PriorLandmark {
   double rate = 1.0;    ///< detection rate on the earlier drive
 };
 
-/// Map of an earlier day, with the path of the laser that observed it.
+/// Map of an earlier day, with where its drive looked.
 struct PriorMapData {
   PriorMapData() = default;
   PriorMapData(std::vector<PriorLandmark> all) : landmarks(std::move(all)) {}
 
   std::vector<PriorLandmark> landmarks;
-  std::vector<Eigen::Vector2d> path_m;  ///< of the laser, about every 0.5 m; empty: unknown
-  double reach_m = 0.0;                 ///< range of the laser on that path
+  /// Centres of the cells in which that drive would have mapped a tree; empty: unknown.
+  std::vector<Eigen::Vector2d> seen_m;
+  double cell_m = 1.0;  ///< width of these cells
 };
 
 /// Checks whether the landmarks are suitable for localisation. Returns the problem (too few, not in
@@ -71,9 +72,8 @@ class PriorMap {
   /// Returns the probability that another visit with a landmark in view detects it again.
   double repeat(std::int32_t i) const { return repeat_[i]; }
 
-  /// Returns true if the point was within the laser's range on the earlier drive, or if its path is
-  /// unknown.
-  bool was_in_range(const Eigen::Vector2d& p_map) const;
+  /// Returns true if the earlier drive would have mapped a tree there, or if that is unknown.
+  bool was_seen(const Eigen::Vector2d& p_map) const;
 
   /// Returns the max distance between parts of one clump [m].
   double clump_reach_m() const;
@@ -88,9 +88,8 @@ class PriorMap {
   geometry::PointGrid grid_{1.0};
   std::vector<Pair> pairs_;  ///< sorted by distance
   std::vector<double> repeat_;
-  std::vector<Eigen::Vector2d> path_m_;
-  geometry::PointGrid path_grid_{2.0};
-  double reach_m_ = 0.0;
+  bool is_seen_known_;
+  geometry::PointGrid seen_;  ///< has a point in each cell that the earlier drive saw
   double width_sd_m_ = 0.0;
   double spacing_m_ = 0.0;
 };

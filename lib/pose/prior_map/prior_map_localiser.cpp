@@ -173,7 +173,7 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
   tracker_.start(start, covariance);
   belief_.emplace(map_);
   belief_->start_stated(start, covariance);
-  must_be_tested_ = !map_.was_in_range(start.head<2>());
+  must_be_tested_ = !map_.was_seen(start.head<2>());
   tracking_ = true;
   state_.clear();
 }

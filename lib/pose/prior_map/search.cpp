@@ -113,7 +113,7 @@ std::optional<PoseHypothesis> HypothesisScorer::fit(const PoseHypothesis& start,
 
     // The trunk is the landmark seen again or not in the map; likelihood relative to the lattice.
     double repeated = repeat(trunk);
-    if (best < 0 && !map_.was_in_range(p_map)) repeated *= kUnseenFraction;
+    if (best < 0 && !map_.was_seen(p_map)) repeated *= kUnseenFraction;
     const double as_new = 1.0 - repeated;
     double as_landmark = 0.0;
     if (best >= 0) {

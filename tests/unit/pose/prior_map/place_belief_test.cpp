@@ -266,6 +266,40 @@ TEST(PatternTest, APlaceOfTheMapPassesAndAnotherOrchardOfThePatternNeverDoes) {
   }
 }
 
+/// The probability of the true place and of one a row nearer to the map, after a drive along trees
+/// that the earlier drive did not see: it made a map of the first three rows of six.
+std::pair<double, double> driven_beside(std::uint64_t seed, bool knows_what_was_seen) {
+  std::vector<PriorLandmark> landmarks;
+  for (const Eigen::Vector2d& p : planted(seed)) {
+    if (p.y() < 10.0) landmarks.push_back({p});
+  }
+  PriorMapData earlier(landmarks);
+  for (double x_m = -20.0; x_m < 160.0 && knows_what_was_seen; x_m += 1.0) {
+    for (double y_m = -10.0; y_m < 10.0; y_m += 1.0) earlier.seen_m.push_back({x_m, y_m});
+  }
+  const PriorMap map(earlier, 20.0);
+  PlaceBelief belief(map);
+  Eigen::Vector3d truth(5.0, 14.0, 0.0);
+  belief.start_stated(truth, Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal());
+  const Eigen::Vector3d step(0.4, 0.0, 0.0);
+  for (; truth.x() < 45.0; truth += step) {
+    belief.move(step, Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal(), step.x());
+    belief.correct(seen_from(planted(seed), truth + step, kRange_m), all_around(kRange_m));
+  }
+  return {belief.probability_at(truth),
+          belief.probability_at(truth - Eigen::Vector3d(0.0, 4.0, 0.0))};
+}
+
+TEST(PlaceBelief, BesideTheMapItDoesNotMoveIntoItBecauseRowsAreAlike) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto [there, aside] = driven_beside(seed, true);
+    EXPECT_GT(there, 0.9) << seed;
+    EXPECT_LT(aside, 0.05) << seed;
+    // Not knowing where the earlier drive looked, it takes what it sees for what is in the map.
+    EXPECT_LT(driven_beside(seed, false).first, there) << seed;
+  }
+}
+
 TEST(PlaceBelief, AMapOfTooManyPlacesIsLeftToTheSearch) {
   PriorMap map = map_of(row_of(4000, 1.4));
   PlaceBelief belief(map);

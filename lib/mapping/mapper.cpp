@@ -276,9 +276,13 @@ Landmark Mapper::common_place(const Landmark& start, const std::vector<std::int3
   }
   const PositionMode mode =
       position_mode(points, {start.x_m, start.y_m}, map.config.centre_kernel_m);
+  // Its observations scatter as far as those of all parts: another drive may see another one most.
+  const Eigen::Matrix2d scatter_m2 = scatter_around(mode.p_map, points);
   Landmark l = start;
   l.x_m = mode.p_map.x();
   l.y_m = mode.p_map.y();
+  l.se_x_m = std::sqrt(scatter_m2(0, 0) / std::max(1, l.num_observations));
+  l.se_y_m = std::sqrt(scatter_m2(1, 1) / std::max(1, l.num_observations));
   l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};
   return l;
 }

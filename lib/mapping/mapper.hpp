@@ -88,7 +88,8 @@ class Mapper {
   LabelConflicts label_conflicts() const;
 
   /// `start` at the densest place near it of the newest observations of all `parts` (ids, known
-  /// ones), with the covariance of that place: map frame [m, m2].
+  /// ones), with the covariance of that place and standard errors by the scatter of them all: map
+  /// frame [m, m2].
   Landmark common_place(const Landmark& start, const std::vector<std::int32_t>& parts) const;
 
   /// All landmarks with at least `min_observations` observations judged by camera or laser, in

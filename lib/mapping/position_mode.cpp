@@ -77,4 +77,16 @@ PositionMode position_mode(const std::vector<WeightedPoint>& points,
   return {centre, scatter};
 }
 
+Eigen::Matrix2d scatter_around(const Eigen::Vector2d& centre_map,
+                               const std::vector<WeightedPoint>& points) {
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  double weight = 0.0;
+  for (const WeightedPoint& point : points) {
+    const Eigen::Vector2d away_m = point.p_map - centre_map;
+    sum += point.weight * away_m * away_m.transpose();
+    weight += point.weight;
+  }
+  return sum / weight;
+}
+
 }  // namespace orchard::mapping

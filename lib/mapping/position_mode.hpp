@@ -27,6 +27,11 @@ struct PositionMode {
 PositionMode position_mode(const std::vector<WeightedPoint>& points,
                            const Eigen::Vector2d& start_map, double kernel_m);
 
+/// Mean square deviations of the points from `centre_map`, weighted by inverse variance [m2]. Needs
+/// at least one point.
+Eigen::Matrix2d scatter_around(const Eigen::Vector2d& centre_map,
+                               const std::vector<WeightedPoint>& points);
+
 /// Cache of landmark positions by index, which makes the cost per scan constant. Positions of
 /// landmarks with few observations are not cached but computed every time.
 class ModeCache {

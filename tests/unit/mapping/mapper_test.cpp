@@ -193,6 +193,23 @@ TEST(Mapper, ScatterIsHowFarATreesObservationsLieFromIt) {
   EXPECT_NEAR(*mapper.tree_scatter_m(), 0.03, 1e-3);
 }
 
+TEST(Mapper, TheObservationsOfAPlantScatterAsFarAsThoseOfAllItsParts) {
+  Mapper mapper({});
+  for (int k = 0; k < 30; ++k) {  // two stems 0.6 m apart, one in view twice as often
+    std::vector<Detection> stems{seen_at(2.0, 0.0)};
+    if (k % 2 == 0) stems.push_back(seen_at(2.0, 0.6));
+    mapper.update(scan_of(stems, k), {});
+  }
+  ASSERT_EQ(mapper.num_landmarks(), 2u);
+  const Landmark stem = mapper.landmark(1);
+  const Landmark plant = mapper.common_place(stem, {1, 2});
+  EXPECT_NEAR(plant.y_m, 0.0, 5e-3);  // the other stem draws the densest place a little
+  EXPECT_LT(stem.se_y_m, 1e-6);
+  // A third of the observations lies 0.6 m away.
+  EXPECT_NEAR(plant.se_y_m * std::sqrt(plant.num_observations), 0.6 * std::sqrt(1.0 / 3.0), 5e-3);
+  EXPECT_NEAR(plant.se_x_m, 0.0, 1e-6);
+}
+
 TEST(Mapper, PairsOneToOneWithStableIds) {
   Mapper mapper({});
   for (int k = 0; k < 10; ++k) {

@@ -26,6 +26,14 @@ TEST(PositionMode, WithinItsKernelIsTheWeightedMean) {
   EXPECT_NEAR(mode.p_map.y(), 2.0, 1e-12);
 }
 
+TEST(PositionMode, ScatterIsTheMeanSquareDeviationByInverseVariance) {
+  const Eigen::Matrix2d scatter_m2 =
+      scatter_around({1.0, 2.0}, {{{1.3, 2.0}, 100.0}, {{1.0, 1.8}, 300.0}});
+  EXPECT_NEAR(scatter_m2(0, 0), 0.25 * 0.09, 1e-12);
+  EXPECT_NEAR(scatter_m2(1, 1), 0.75 * 0.04, 1e-12);
+  EXPECT_NEAR(scatter_m2(0, 1), 0.0, 1e-12);
+}
+
 TEST(PositionMode, IsNotDrawnByAnotherThing) {
   std::vector<WeightedPoint> points;
   for (int k = -5; k <= 5; ++k) points.push_back({{0.01 * k, 0.0}, 100.0});

@@ -77,7 +77,7 @@ PlaceBelief::PlaceBelief(const PriorMap& map)
       likelihood_(map),
       place_sd_m_(likelihood_.place_sd_m()),
       place_sd_rad_(likelihood_.place_sd_rad()),
-      test_(map, likelihood_) {}
+      pattern_(map, likelihood_) {}
 
 void PlaceBelief::start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance) {
   places_ = {{T_map_base, covariance}};
@@ -138,7 +138,7 @@ void PlaceBelief::begin(std::size_t places_max) {
   travel_m_ = 0.0;
   since_ = {};
   is_motion_doubted_ = false;
-  test_.clear();
+  pattern_.clear();
 }
 
 void PlaceBelief::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance,
@@ -156,7 +156,7 @@ void PlaceBelief::move_places() {
     place.move(since_.T_map_base, since_.covariance);
     place.covariance.diagonal() += spread;
   }
-  test_.move(since_.T_map_base, since_.covariance);
+  pattern_.move(since_.T_map_base, since_.covariance);
   travel_m_ = 0.0;
   since_ = {};
 }
@@ -167,7 +167,7 @@ bool PlaceBelief::correct(const std::vector<ScanObservation>& observations,
   const double share = std::min(1.0, travel_m_ / (2.0 * field.range_m()));
   PlaceLikelihood::ScanView scan(observations, field);
   move_places();
-  test_.add(place_, scan, share);
+  pattern_.add(place_, scan, share);
   split();
   std::vector<double> log_weights;
   for (WeighedPlace& place : places_) {
@@ -180,7 +180,7 @@ bool PlaceBelief::correct(const std::vector<ScanObservation>& observations,
   }
   merge();
   prune();
-  if (!likelihood_.are_near(places_.front().T_map_base, place_.T_map_base)) test_.clear();
+  if (!likelihood_.are_near(places_.front().T_map_base, place_.T_map_base)) pattern_.clear();
   place_ = sum_around(places_.front().T_map_base);
   return true;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pose/field_of_view.hpp"
-#include "pose/prior_map/pattern_test.hpp"
+#include "pose/prior_map/pattern_evidence.hpp"
 #include "pose/prior_map/place_likelihood.hpp"
 #include "pose/prior_map/prior_map.hpp"
 
@@ -46,7 +46,7 @@ class PlaceBelief {
   /// its probability.
   const WeighedPlace& place() const { return place_; }
   /// What the scans since it is the most probable tell of it against parts of another orchard.
-  const PatternTest& test() const { return test_; }
+  const PatternEvidence& pattern() const { return pattern_; }
   /// The probability of all places less than half a spacing from the pose, as of the last
   /// correction.
   double probability_at(const Eigen::Vector3d& T_map_base) const;
@@ -67,7 +67,7 @@ class PlaceBelief {
   const PriorMap& map_;
   PlaceLikelihood likelihood_;
   double place_sd_m_, place_sd_rad_;  ///< of a Gaussian, at most
-  PatternTest test_;
+  PatternEvidence pattern_;
   std::vector<WeighedPlace> places_;
   std::size_t places_max_ = 0;
   WeighedPlace place_;

@@ -430,7 +430,7 @@ void PriorMapLocaliser::leave_tracker() {
 
 /// Weighs all places of the map, if these are not too many, beside the search: base is as near to a
 /// landmark as the farthest of the six nearest trunks, unless none of these is one. Along one row
-/// some place of another orchard fits as well, too: one of thousands must pass `PatternTest`.
+/// some place of another orchard fits as well, too: one of thousands must pass `PatternEvidence`.
 void PriorMapLocaliser::believe_anywhere(const std::vector<ScanObservation>& observations) {
   if (observations.size() < kTrunksMin) return;
   std::vector<double> ranges_m;
@@ -455,7 +455,7 @@ void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observa
     return;
   }
   if (!is_corrected) return;
-  if (belief_->test().is_failed()) {
+  if (belief_->pattern().is_elsewhere()) {
     declare_lost(
         "the trunks around fit no place of the prior map better than another orchard's would; this "
         "part may not be in it",
@@ -464,7 +464,7 @@ void PriorMapLocaliser::watch_belief(const std::vector<ScanObservation>& observa
   }
   const WeighedPlace& place = belief_->place();
   const double at_tracker = tracking_ ? belief_->probability_at(tracker_.T_map_base()) : 0.0;
-  const bool is_tested = !must_be_tested_ || belief_->test().is_passed();
+  const bool is_tested = !must_be_tested_ || belief_->pattern().is_of_map();
   const bool is_sure = place.weight >= kSure && is_tested && !is_vague(place.covariance);
   is_confirmed_ = at_tracker >= kSure;
   if (is_confirmed_) must_be_tested_ = false;

@@ -67,6 +67,9 @@ git ls-files 2>/dev/null | grep -v '^tests/' | search '[@.a-z-]\.(invalid|test)\
 sources lib procs tests | xargs -r wc -l | awk '$2 != "total" && $1 > 600 { print $2 ": " $1 " lines" }' |
   violations "no source file over 600 lines"
 
+# names say what is a test
+sources lib procs | grep -E '_test\.[ch]pp$' | violations "no product file has a test's name"
+
 # 8. heavy headers stay out of headers
 find lib procs -name '*.hpp' | sort |
   search '#include *[<"](CLI/|opencv2/[a-bd-z]|nlohmann/json\.hpp|yaml-cpp/|mrpt/|gdal|ogr|cairo|fmt/|lcm/lcm)' |

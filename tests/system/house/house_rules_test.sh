@@ -35,5 +35,6 @@ clean && yes '//' | head -n 61 >>"$tree/procs/mapper/main.cpp" && expect 1 "a lo
 clean && sed -i 1d "$tree/lib/laser/scan.hpp" && expect 1 "no licence line"
 clean && echo '#include <opencv2/imgproc.hpp>' >>"$tree/lib/laser/scan.hpp" && expect 1 "a heavy header"
 clean && touch "$tree/CHANGELOG.md" "$tree/SECURITY.md" && expect 0 "the pages of a project"
+clean && echo '// SPDX-License-Identifier: BSD-3-Clause' >"$tree/lib/laser/fit_test.cpp" && expect 1 "a test's name"
 clean && touch "$tree/notes.txt" && expect 1 "a stray file"
 echo "house_rules.sh sees every kind of violation"

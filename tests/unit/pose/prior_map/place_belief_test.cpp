@@ -250,13 +250,13 @@ std::pair<int, int> driven(const std::vector<Eigen::Vector2d>& trees, const Prio
   for (; truth.x() < 125.0; truth += step) {
     belief.move(step, Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal(), step.x());
     belief.correct(seen_from(trees, truth + step, kRange_m), all_around(kRange_m));
-    passed_failed.first += belief.test().is_passed();
-    passed_failed.second += belief.test().is_failed();
+    passed_failed.first += belief.pattern().is_of_map();
+    passed_failed.second += belief.pattern().is_elsewhere();
   }
   return passed_failed;
 }
 
-TEST(PatternTest, APlaceOfTheMapPassesAndAnotherOrchardOfThePatternNeverDoes) {
+TEST(PatternEvidence, APlaceOfTheMapPassesAndAnotherOrchardOfThePatternNeverDoes) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const PriorMap own = map_of(planted(seed));
     const auto [passed, failed] = driven(planted(seed), own);

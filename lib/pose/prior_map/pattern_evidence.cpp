@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/prior_map/pattern_test.hpp"
+#include "pose/prior_map/pattern_evidence.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,19 +32,19 @@ double log_mean(const std::vector<double>& logs) {
 
 }  // namespace
 
-PatternTest::PatternTest(const PriorMap& map, const PlaceLikelihood& likelihood)
+PatternEvidence::PatternEvidence(const PriorMap& map, const PlaceLikelihood& likelihood)
     : map_(map), likelihood_(likelihood) {}
 
-void PatternTest::clear() {
+void PatternEvidence::clear() {
   rivals_.clear();
   log_evidence_ = 0.0;
 }
 
-void PatternTest::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance) {
+void PatternEvidence::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance) {
   for (WeighedPlace& rival : rivals_) rival.move(T_base_next, covariance);
 }
 
-void PatternTest::choose_rivals(const WeighedPlace& place, double range_m) {
+void PatternEvidence::choose_rivals(const WeighedPlace& place, double range_m) {
   rivals_.clear();
   passes_ = 0.0;
   const Eigen::Vector2d base = place.T_map_base.head<2>();
@@ -76,7 +76,8 @@ void PatternTest::choose_rivals(const WeighedPlace& place, double range_m) {
   }
 }
 
-void PatternTest::add(const WeighedPlace& place, PlaceLikelihood::ScanView& scan, double share) {
+void PatternEvidence::add(const WeighedPlace& place, PlaceLikelihood::ScanView& scan,
+                          double share) {
   if (rivals_.size() < kRivals / 2) choose_rivals(place, scan.range_m());
   std::vector<double> logs;
   for (WeighedPlace& rival : rivals_) {

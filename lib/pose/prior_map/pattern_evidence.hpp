@@ -17,9 +17,9 @@ namespace orchard::pose {
 /// then the likelihood of each scan over the mean of all likelihoods is at most 1 in the mean.
 /// Their product, in proportion to the travel, is at most the inverse of a probability of error
 /// (Ville's inequality).
-class PatternTest {
+class PatternEvidence {
  public:
-  PatternTest(const PriorMap& map, const PlaceLikelihood& likelihood);
+  PatternEvidence(const PriorMap& map, const PlaceLikelihood& likelihood);
 
   /// Begins anew, with another place.
   void clear();
@@ -29,8 +29,8 @@ class PatternTest {
   void add(const WeighedPlace& place, PlaceLikelihood::ScanView& scan, double share);
 
   /// The place is of this map, or it is not; by log-odds of 9 (1 in 8,000).
-  bool is_passed() const { return log_evidence_ >= kLogEvidenceMax; }
-  bool is_failed() const { return log_evidence_ <= -kLogEvidenceMax; }
+  bool is_of_map() const { return log_evidence_ >= kLogEvidenceMax; }
+  bool is_elsewhere() const { return log_evidence_ <= -kLogEvidenceMax; }
 
  private:
   static constexpr double kLogEvidenceMax = 9.0;  ///< derived: 1 in 8,000, as elsewhere

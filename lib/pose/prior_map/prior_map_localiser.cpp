@@ -337,6 +337,11 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 }
 
 std::string PriorMapLocaliser::warning() const {
+  const std::string place = place_warning(), motion = motion_warning();
+  return place + (place.empty() || motion.empty() ? "" : "; ") + motion;
+}
+
+std::string PriorMapLocaliser::place_warning() const {
   if (belief_ && tracking_ && !is_confirmed_) {
     return "UNCONFIRMED: the trunks around do not tell yet whether this place is right: " +
            fixed_text(100.0 * belief_->probability_at(tracker_.T_map_base()), 0) + " %";
@@ -348,10 +353,14 @@ std::string PriorMapLocaliser::warning() const {
            fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
            ") m, has " + fixed_text(100.0 * place.weight, 0) + " %; drive on";
   }
-  if (!tracking_) return state_;
+  return tracking_ ? "" : state_;
+}
+
+std::string PriorMapLocaliser::motion_warning() const {
   if (num_unreliable_ > 0) {
-    return "the last " + std::to_string(num_unreliable_) +
-           " scans could not be matched: the motion between trees is extrapolated";
+    const std::string scans =
+        num_unreliable_ == 1 ? "scan" : std::to_string(num_unreliable_) + " scans";
+    return "the last " + scans + " could not be matched: the motion between trees is extrapolated";
   }
   if (last_odometry_ && time_since_motion_s() > PoseConfig::kOdometryGapMax_s) {
     return "no ODOMETRY for " + fixed_text(time_since_motion_s(), 1) +

@@ -57,6 +57,8 @@ class PriorMapLocaliser : public Localiser {
   void advance_to(std::int64_t utime);
   std::array<double, 3> covariance_of(const Odometry& odometry) const;
   double time_since_motion_s() const;
+  std::string place_warning() const;
+  std::string motion_warning() const;
 
   void track(const std::vector<ScanObservation>& observations);
   bool is_vague(const Eigen::Matrix3d& covariance) const;

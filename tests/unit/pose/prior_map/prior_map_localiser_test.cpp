@@ -359,6 +359,20 @@ TEST(PriorMapLocaliser, FindsAndFollowsByScansInsteadOfWheels) {
   EXPECT_GT(num_poses, 120);
   EXPECT_LT(worst_m, 0.15);
   EXPECT_EQ(localiser.num_lost(), 0);
+
+  // A scan that meets nothing tells no motion, so the place is vague: both are said.
+  config = config_of(PriorStart::kGiven, way[500]);
+  config.motion = MotionSource::kScans;
+  PriorMapLocaliser stated(config, mapped(world, 21));
+  for (std::int64_t i = 0; i < 2; ++i) {
+    laser::Scan scan = cast.scan(i * 100'000, way[500], &noise, 0.01);
+    if (i > 0) std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), 0.0F);
+    stated.add(Measurement(scan));
+    stated.add(Measurement(trunks_seen(cast, scan.utime, way[500])));
+  }
+  EXPECT_EQ(stated.warning().find("AMBIGUOUS"), 0u) << stated.warning();
+  EXPECT_NE(stated.warning().find("; the last scan could not be matched"), std::string::npos)
+      << stated.warning();
 }
 
 // A reading of the wheels is the mean since the one before, for whoever integrates it.

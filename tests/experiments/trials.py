@@ -986,20 +986,33 @@ def located(lab, log, source, motion, start, changes=None, mapped=None):
     return json.loads((made / "said.json").read_text()), made
 
 
-def errors_of_three(paths):
-    """The errors of three paths [m, per axis], if they are independent, by how far each two are apart after a rigid alignment
-    (the three-cornered hat; Gray and Allan 1974)."""
+def at_common_times(*paths):
+    """The places of paths [m, complex] at the times that all of them have."""
     paths = [{row["utime_us"]: complex(row["x_m"], row["y_m"]) for row in rows_of(path)} for path in paths]
     common = sorted(set.intersection(*(set(path) for path in paths)))
+    return [[path[t] for t in common] for path in paths]
 
-    def apart_m2(a, b):
-        a, b = [a[t] - mean(a[u] for u in common) for t in common], [b[t] - mean(b[u] for u in common) for t in common]
-        turn = sum(p.conjugate() * q for p, q in zip(a, b))
-        return mean(abs(turn / abs(turn) * p - q) ** 2 for p, q in zip(a, b))
 
-    a, b, c = paths
-    ab, bc, ca = apart_m2(a, b), apart_m2(b, c), apart_m2(c, a)
+def aligned(a, b):
+    """Places a, moved rigidly onto b."""
+    middle_a, middle_b = mean(a), mean(b)
+    turn = sum((p - middle_a).conjugate() * (q - middle_b) for p, q in zip(a, b))
+    return [turn / abs(turn) * (p - middle_a) + middle_b for p in a]
+
+
+def errors_of_three(paths):
+    """The errors of three paths [m, per axis], if they are independent, by how far each two of them are apart after a rigid alignment
+    (the three-cornered hat; Gray and Allan 1974)."""
+    a, b, c = at_common_times(*paths)
+    ab, bc, ca = (mean(abs(p - q) ** 2 for p, q in zip(aligned(x, y), y)) for x, y in ((a, b), (b, c), (c, a)))
     return [max(0.0, twice / 4) ** 0.5 for twice in (ca + ab - bc, ab + bc - ca, bc + ca - ab)]
+
+
+def agreeing_where_wrong(track, place, graph, wrong_m=0.5):
+    """Of the poses of a place that are farther than wrong_m from the track, those that the graph of trunks says within half of that."""
+    track, place, graph = at_common_times(track, place, graph)
+    wrong = [abs(p - q) < wrong_m / 2 for p, q, true in zip(place, aligned(graph, place), track) if abs(p - true) > wrong_m]
+    return f"{sum(wrong)} of {len(wrong)}"
 
 
 def vineyard_rows(lab, seeds):
@@ -1022,7 +1035,8 @@ def vineyard_rows(lab, seeds):
     located_path = located(lab, log, source, "scans", start)[1] / "trajectory.csv"
     track_m, located_m, graph_m = errors_of_three([source / "poses.csv", located_path, graph / "trajectory.csv"])
     run = located(lab, log, source, "scans", [*start, "--truth-sd", f"{track_m:.2f}"])[0]
-    figures["hat"] = f"{track_m:.2f}, {located_m:.2f}, {graph_m:.2f} m; {run['claimed_sd_m'] / 2 ** 0.5:.2f} m; {run['nees']:.1f}"
+    figures["hat"] = f"{track_m:.2f}, {located_m:.2f}, {graph_m:.2f} m; {run['claimed_sd_m'] / 2 ** 0.5:.2f} m; {run['nees']:.1f}; " \
+                     + agreeing_where_wrong(source / "poses.csv", located_path, graph / "trajectory.csv")
     first = rows_of(source / "poses.csv")[0]
     runs = []
     for aisles in (-1, 1):

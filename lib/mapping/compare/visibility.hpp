@@ -129,7 +129,7 @@ class DetectionMap {
   /// Computes all of the map: for who asks for more and more positions.
   std::function<double(const Eigen::Vector2d& p_map)> probability_missed_anywhere() const;
   /// Centres of the cells of VisibilityGrid::kCell_m where an average tree would rather be mapped
-  /// than missed; none if nothing is known. As costly.
+  /// than missed, in map [m]; none if nothing is known. Costs as much as the function above.
   std::vector<Eigen::Vector2d> places_seen() const;
 
  private:

@@ -389,6 +389,14 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   EXPECT_LT(missed({10.5, 2.0}), 0.01);
   EXPECT_EQ(missed({10.5, 12.0}), 1.0) << "beyond reach";
   EXPECT_EQ(missed({10.5, -30.0}), 1.0);
+  std::size_t num_seen = 0;  // cells in which a tree is rather mapped, by asking each of them
+  for (double x_m = -79.75; x_m < 120.0; x_m += 0.5) {
+    for (double y_m = -79.75; y_m < 80.0; y_m += 0.5) num_seen += missed({x_m, y_m}) < 0.5;
+  }
+  EXPECT_GT(num_seen, 100u);
+  EXPECT_EQ(seen.places_seen().size(), num_seen);
+  for (const Vector2d& p : seen.places_seen()) EXPECT_LT(missed(p), 0.5) << p.transpose();
+  EXPECT_TRUE(DetectionMap().places_seen().empty());
   EXPECT_GT(seen.probability_mapped(expected, 0.9), 0.99);
   SensorView strict = view;  // a map without what was seen less than 90 times
   strict.min_observations = 90;

@@ -81,15 +81,16 @@ void RelativeMotion::drive(double speed_mps, double yaw_rate_radps,
   Eigen::Matrix2d Q;
   Q << velocity_covariance[0], velocity_covariance[1], velocity_covariance[1],
       velocity_covariance[2];
-  const Eigen::Matrix3d F = compose_jacobian_second(delta);
-  append(arc_motion(v_mps, w_radps, dt_s), J_velocity * Q * J_velocity.transpose());
-  calibration_jacobian += F * J_velocity * velocity_calibration;
+  append(arc_motion(v_mps, w_radps, dt_s), J_velocity * Q * J_velocity.transpose(),
+         J_velocity * velocity_calibration);
 }
 
 void RelativeMotion::append(const Eigen::Vector3d& T_now_next,
-                            const Eigen::Matrix3d& step_covariance) {
+                            const Eigen::Matrix3d& step_covariance,
+                            const Eigen::Matrix3d& step_jacobian) {
   covariance = compose_covariance(delta, covariance, T_now_next, step_covariance);
-  calibration_jacobian = compose_jacobian_first(delta, T_now_next) * calibration_jacobian;
+  calibration_jacobian = compose_jacobian_first(delta, T_now_next) * calibration_jacobian +
+                         compose_jacobian_second(delta) * step_jacobian;
   delta = compose(delta, T_now_next);
   travel_m += T_now_next.head<2>().norm();
 }
@@ -115,7 +116,13 @@ void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_ra
     covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;
     covariance[2] += kGapYawRateSd_radps * kGapYawRateSd_radps / dt_s;
   }
-  motion_.drive(speed_mps, yaw_rate_radps, covariance, dt_s);
+  if (is_by_wheels_) {
+    motion_.drive(speed_mps, yaw_rate_radps, covariance, dt_s);
+    return;
+  }
+  RelativeMotion step;
+  step.drive(speed_mps, yaw_rate_radps, covariance, dt_s);
+  motion_.append(step.delta, step.covariance);
 }
 
 void DeadReckoning::add(const Odometry& odometry) {
@@ -147,10 +154,12 @@ void DeadReckoning::add(const Odometry& odometry) {
   seq_ = odometry.seq;
   speed_mps_ = odometry.speed_mps;
   yaw_rate_radps_ = odometry.yaw_rate_radps;
+  is_by_wheels_ = true;
 }
 
 void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
-                        const Eigen::Matrix3d& covariance, bool is_guess) {
+                        const Eigen::Matrix3d& covariance, bool is_guess,
+                        const Eigen::Matrix3d& calibration_jacobian) {
   if (!T_measured_then.allFinite() || !covariance.allFinite()) return;
   if (utime_ && utime <= *utime_) return;
   if (utime_) {
@@ -158,8 +167,12 @@ void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_measured_th
     speed_mps_ = T_measured_then.x() / dt_s;
     yaw_rate_radps_ = T_measured_then.z() / dt_s;
   }
+  is_by_wheels_ = false;
   // What was extrapolated since the last measurement is part of the measured motion.
-  motion_.append(geometry::between(ahead_, T_measured_then), covariance);
+  const Eigen::Vector3d T_then = T_measured_then + calibration_jacobian * motion_.calibration;
+  Eigen::Matrix3d step_jacobian = calibration_jacobian;
+  step_jacobian.topRows<2>() = geometry::rotation(-ahead_.z()) * calibration_jacobian.topRows<2>();
+  motion_.append(geometry::between(ahead_, T_then), covariance, step_jacobian);
   motion_.has_guess |= is_guess;
   ahead_.setZero();
   utime_ = utime;
@@ -178,6 +191,12 @@ void DeadReckoning::advance_to(std::int64_t utime) {
 void DeadReckoning::restart(const OdometryCalibration& calibration) {
   motion_ = RelativeMotion{};
   motion_.calibration = calibration;
+}
+
+Eigen::Vector2d DeadReckoning::velocity_with(const OdometryCalibration& calibration) const {
+  if (!is_by_wheels_) return {speed_mps_, yaw_rate_radps_};
+  return {(1.0 + calibration[0]) * speed_mps_,
+          (1.0 + calibration[1]) * yaw_rate_radps_ - calibration[2]};
 }
 
 void DeadReckoning::set_velocity(double speed_mps, double yaw_rate_radps) {

@@ -51,8 +51,10 @@ struct RelativeMotion {
   void drive(double speed_mps, double yaw_rate_radps, const std::array<double, 3>& covariance,
              double dt_s);
 
-  /// Appends a measured motion T_now_next with its covariance, independent of the calibration.
-  void append(const Eigen::Vector3d& T_now_next, const Eigen::Matrix3d& covariance);
+  /// Appends a measured motion T_now_next with its covariance, and its derivative by the odometry
+  /// calibration.
+  void append(const Eigen::Vector3d& T_now_next, const Eigen::Matrix3d& covariance,
+              const Eigen::Matrix3d& calibration_jacobian = Eigen::Matrix3d::Zero());
 };
 
 /// Integrates odometry, or another measurement of the motion, since the last restart(). In a gap it
@@ -69,9 +71,11 @@ class DeadReckoning {
   void add(const Odometry& odometry);
 
   /// Appends a measured motion, from the time of the last measurement to `utime`. `is_guess`: it
-  /// takes the place of one that could not be measured.
+  /// takes the place of one that could not be measured. `calibration_jacobian`: its derivative by
+  /// the calibration of the wheels that had a part in it, at none.
   void add(std::int64_t utime, const Eigen::Vector3d& T_measured_then,
-           const Eigen::Matrix3d& covariance, bool is_guess = false);
+           const Eigen::Matrix3d& covariance, bool is_guess = false,
+           const Eigen::Matrix3d& calibration_jacobian = Eigen::Matrix3d::Zero());
 
   /// Extrapolates to `utime` at the last velocity; does nothing for an earlier `utime`.
   void advance_to(std::int64_t utime);
@@ -89,6 +93,8 @@ class DeadReckoning {
   double time_since_motion_s() const;
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
+  /// Returns speed [m/s] and yaw rate [rad/s] by a calibration of the wheels.
+  Eigen::Vector2d velocity_with(const OdometryCalibration& calibration) const;
 
  private:
   void drive_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
@@ -104,6 +110,7 @@ class DeadReckoning {
   Eigen::Vector3d ahead_ = Eigen::Vector3d::Zero();  ///< extrapolated since the last measurement
   double speed_mps_ = 0.0;
   double yaw_rate_radps_ = 0.0;
+  bool is_by_wheels_ = true;  ///< the velocity, which their calibration then corrects
   std::array<double, 3> velocity_covariance_{};
 };
 

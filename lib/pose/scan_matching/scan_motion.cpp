@@ -17,6 +17,7 @@ namespace orchard::pose {
 
 using geometry::between;
 using geometry::compose;
+using geometry::compose_jacobian_first;
 using geometry::rotation;
 namespace {
 
@@ -341,11 +342,13 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
       covariance(1, 1) += geometry::square(kSideways * m.travel_m);
       covariance *= surprise_;
       expected.T_from_to = m.delta;
+      expected.calibration_jacobian = m.calibration_jacobian;
       expected.is_guess = false;
       expected.is_measured =
           (covariance.diagonal().array() <= expected.covariance.diagonal().array()).all();
       if (expected.is_measured) {
         expected.covariance = covariance;
+        expected.covariance_calibrated = surprise_ * m.covariance;
         expected.P_weighed = expected.P_base =
             compose_covariance(Eigen::Vector3d::Zero(), P_base_, m.delta, covariance);
       }
@@ -373,14 +376,20 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   motion.utime_to = scan.utime;
   motion.T_from_to = expected.T_from_to;
   motion.covariance = expected.covariance;
+  motion.covariance_calibrated = expected.covariance_calibrated;
+  motion.calibration_jacobian = expected.calibration_jacobian;
   motion.is_guess = expected.is_guess;
-  const bool mends = expected.is_measured && !was_reliable_;
-  const Eigen::Matrix3d P_before = mends ? P_base_ : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+  const Eigen::Vector3d T_map_before = T_map_base_;
+  const Eigen::Vector3d T_expected = compose(T_map_before, expected.T_from_to);
+  const Eigen::Matrix3d F = compose_jacobian_first(Eigen::Vector3d::Zero(), expected.T_from_to);
+  const Eigen::Matrix3d D_before = F * D_base_;
+  const Eigen::Matrix3d P_before = F * P_base_ * F.transpose();
+  T_map_base_ = T_expected;
   P_base_ = expected.P_base;
+  D_base_ = D_before + expected.calibration_jacobian;
   std::vector<SurfacePoint> few = thinned(points, kThinning_m);
   if (static_cast<int>(few.size()) < kPointsMin || map_.empty()) return motion;
 
-  const Eigen::Vector3d T_expected = compose(T_map_base_, expected.T_from_to);
   std::vector<Eigen::Vector3d> guesses{T_expected};
   double shift_max_m = config_.search_shift_m, turn_max_rad = geometry::kPi;
   if (expected.is_measured) {
@@ -390,15 +399,15 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   } else {
     // Wheels that are doubted may be worse than no wheels, so the last motion is tried beside them.
     const Eigen::Vector3d on = expected.is_guess ? expected.T_from_to : steady_.last();
-    if (!expected.is_guess) guesses.push_back(compose(T_map_base_, on));
-    guesses.push_back(compose(T_map_base_, {on.x(), on.y(), 0.0}));
-    guesses.push_back(T_map_base_);
-    if (predicted) guesses.push_back(compose(T_map_base_, *predicted));
+    if (!expected.is_guess) guesses.push_back(compose(T_map_before, on));
+    guesses.push_back(compose(T_map_before, {on.x(), on.y(), 0.0}));
+    guesses.push_back(T_map_before);
+    if (predicted) guesses.push_back(compose(T_map_before, *predicted));
   }
   const ScanMatcher matcher(map_);
   ScanMatch match = matcher.match(few, guesses, shift_max_m, turn_max_rad);
   if (config_.deskew && scan.beam_period_us > 0.0 && velocity_known_) {
-    velocity_ = between(T_map_base_, match.T_map_base) / timing::seconds(scan.utime - *utime_);
+    velocity_ = between(T_map_before, match.T_map_base) / timing::seconds(scan.utime - *utime_);
     points = surface_points(scan, mount_, blind_, velocity_, config_);
     few = thinned(points, kThinning_m);
     match = matcher.match(few, {match.T_map_base}, shift_max_m, turn_max_rad);
@@ -407,7 +416,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
 
   // In the axes of map, about the robot.
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(T_map_base_.z());
+  R.topLeftCorner<2, 2>() = rotation(T_map_before.z());
   const Eigen::Matrix3d told = information_of(matcher, few, match);
   Eigen::Matrix3d known = R * expected.P_weighed.inverse() * R.transpose();
   Eigen::Matrix3d P = (told + known).inverse();
@@ -426,9 +435,11 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   // A robot turns and stops: the farther a scan is from what was foretold, the less that weighs.
   if (expected.is_guess) known = known / std::max(1.0, distance2 / 3.0) + unknown;
   P = (told + known).inverse();
-  if (!is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere)) {
-    motion.T_from_to = between(T_map_base_, T_expected + P * told * apart);
-  }
+  const bool is_taken =
+      !is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere);
+  const Eigen::Matrix3d gain = is_taken ? Eigen::Matrix3d(P * told) : Eigen::Matrix3d::Zero();
+  T_map_base_ = T_expected + gain * apart;
+  motion.T_from_to = between(T_map_before, T_map_base_);
   // What the last motions foretell is no measurement of this one.
   if (expected.is_guess) P = (told + unknown).inverse();
   if (is_contradicted) P += apart * apart.transpose();
@@ -436,8 +447,28 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   P_base_ = 0.5 * (P_base_ + P_base_.transpose()).eval();
   motion.reliable = match.score >= kScoreReliable && is_sure(P) && !is_contradicted;
   motion.is_guess = expected.is_guess && !motion.reliable;
-  // A good fit after a poor one also mends the motion before.
-  motion.covariance = P_base_ + P_before;
+  motion.covariance = motion.covariance_calibrated = P_base_;
+  Eigen::Matrix3d K = R.transpose() * gain * R;
+  const Eigen::Matrix3d unfitted = Eigen::Matrix3d::Identity() - K;
+  D_base_ = (unfitted * D_base_).eval();
+  if (expected.is_measured && !is_contradicted && was_reliable_) {
+    const Eigen::Matrix3d lasting =
+        unfitted * expected.calibration_jacobian * wheels_sd_.asDiagonal();
+    motion.covariance_calibrated -= lasting * lasting.transpose();
+  } else if (expected.is_measured && !is_contradicted) {
+    // What a good fit after poor ones mends has grown over all the motions since: this one answers
+    // for its share of it, as a smoother divides it, and the others stay as the wheels told them.
+    const Eigen::Matrix3d share = expected.covariance * expected.P_base.inverse();
+    const Eigen::Matrix3d by_fit = share * R.transpose() * P;
+    K = share * K;
+    const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - K;
+    const Eigen::Matrix3d P_fit = by_fit * told * by_fit.transpose() + K * P_before * K.transpose();
+    motion.T_from_to = between(T_map_before, T_expected + R * K * R.transpose() * apart);
+    motion.covariance = left * expected.covariance * left.transpose() + P_fit;
+    motion.covariance_calibrated = left * expected.covariance_calibrated * left.transpose() + P_fit;
+  }
+  motion.calibration_jacobian =
+      expected.calibration_jacobian - K * (D_before + expected.calibration_jacobian);
   return motion;
 }
 
@@ -451,14 +482,16 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
     remember(points);
     return std::nullopt;
   }
+  const double yaw_before_rad = T_map_base_.z();
   const MeasuredMotion motion = matched(scan, expected, predicted, points);
+  T_map_base_.z() = geometry::wrap_angle_rad(T_map_base_.z());
   travel_m_ += motion.T_from_to.head<2>().norm();
   steady_.add(motion.T_from_to, timing::seconds(scan.utime - *utime_), motion.reliable);
   velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
-  T_map_base_ = compose(T_map_base_, motion.T_from_to);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(-motion.T_from_to.z());
+  R.topLeftCorner<2, 2>() = rotation(yaw_before_rad - T_map_base_.z());
   P_base_ = (R * P_base_ * R.transpose()).eval();
+  D_base_ = (R * D_base_).eval();
   was_reliable_ = motion.reliable;
   utime_ = scan.utime;
   if (config_.deskew && scan.beam_period_us > 0.0 && !velocity_known_) {
@@ -491,15 +524,15 @@ void ScanOdometry::add(const Measurement& measurement) {
     if (!utime_) utime_ = scan->utime;
     return;
   }
-  covariance_ = compose_covariance(T_map_base_, covariance_, motion->T_from_to, motion->covariance);
-  T_map_base_ = compose(T_map_base_, motion->T_from_to);
+  covariance_ =
+      compose_covariance(motion_.T_map_base(), covariance_, motion->T_from_to, motion->covariance);
   utime_ = motion->utime_to;
   num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
 }
 
 std::optional<PoseEstimate> ScanOdometry::estimate() const {
   if (!utime_) return std::nullopt;
-  return pose_estimate(*utime_, T_map_base_, covariance_);
+  return pose_estimate(*utime_, motion_.T_map_base(), covariance_);
 }
 
 std::string ScanOdometry::warning() const {

@@ -88,6 +88,10 @@ struct MeasuredMotion {
   std::int64_t utime_to = 0;
   Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();   ///< x [m], y [m], yaw [rad]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of T_from_to
+  /// d(T_from_to) / d(calibration of the wheels), as far as they have a part in it.
+  Eigen::Matrix3d calibration_jacobian = Eigen::Matrix3d::Zero();
+  /// Of T_from_to if that calibration were known.
+  Eigen::Matrix3d covariance_calibrated = Eigen::Matrix3d::Zero();
   double matched = 0.0;   ///< fraction of the later scan's points that match the local map
   bool reliable = false;  ///< false: the motion is a prediction or a guess
   bool is_guess = true;   ///< neither a reliable match nor the wheels tell it
@@ -115,15 +119,22 @@ class ScanMotion {
   std::optional<MeasuredMotion> add(const laser::Scan& scan,
                                     const std::optional<Eigen::Vector3d>& predicted = {});
 
+  /// Returns base in the local map, which begins where base was at the first scan: (x [m], y [m],
+  /// yaw [rad]). Good fits mend it after poor ones, so it is surer than the motions one by one.
+  const Eigen::Vector3d& T_map_base() const { return T_map_base_; }
+
  private:
   /// What is expected of a motion before the scan is looked at, in the axes of base before it.
   struct Expected {
     Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = unknown_motion();  ///< of the motion
-    Eigen::Matrix3d P_base = unknown_motion();      ///< of base in the local map, after it
+    Eigen::Matrix3d covariance_calibrated =
+        unknown_motion();                          ///< if the wheels' calibration is known
+    Eigen::Matrix3d P_base = unknown_motion();     ///< of base in the local map, after it
     Eigen::Matrix3d P_weighed = unknown_motion();  ///< P_base, or of what the last motions foretell
-    bool is_guess = true;                          ///< the wheels tell nothing
-    bool is_measured = false;                      ///< by the wheels, surely enough to help
+    Eigen::Matrix3d calibration_jacobian = Eigen::Matrix3d::Zero();  ///< of T_from_to
+    bool is_guess = true;                                            ///< the wheels tell nothing
+    bool is_measured = false;  ///< by the wheels, surely enough to help
   };
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);
@@ -147,6 +158,8 @@ class ScanMotion {
   /// Covariance of T_map_base_ in the local map, in the axes of base: after a poor fit the pose may
   /// be wrong, and the next good one mends it.
   Eigen::Matrix3d P_base_ = Eigen::Matrix3d::Zero();
+  /// d(T_map_base_) / d(calibration of the wheels), in the axes of base.
+  Eigen::Matrix3d D_base_ = Eigen::Matrix3d::Zero();
   bool was_reliable_ = true;
   SteadyMotion steady_;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< per second, in base
@@ -173,7 +186,6 @@ class ScanOdometry : public Localiser {
  private:
   ScanMotion motion_;
   std::optional<std::int64_t> utime_;
-  Eigen::Vector3d T_map_base_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   int num_unreliable_ = 0;  ///< consecutive scans without a reliable motion
 };

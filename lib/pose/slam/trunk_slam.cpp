@@ -71,7 +71,8 @@ void TrunkSlam::add(const Measurement& measurement) {
     scan_ = *scan;
     if (!scan_motion_) return;
     if (const auto motion = scan_motion_->add(*scan)) {
-      motion_.add(motion->utime_to, motion->T_from_to, motion->covariance, motion->is_guess);
+      motion_.add(motion->utime_to, motion->T_from_to, motion->covariance_calibrated,
+                  motion->is_guess, motion->calibration_jacobian);
       add_blind_keyframe();
     }
   } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {
@@ -149,9 +150,9 @@ void TrunkSlam::add(const detection::Detections& seen) {
         surface_points(*scan_, mount_, blind_, velocity(), pose_config_.scan_motion), map_);
   }
   const OdometryCalibration& c = map_.newest_calibration();
-  const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(),
-                              (1.0 + c[0]) * motion_.speed_mps(),
-                              (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
+  const Eigen::Vector2d velocity = motion_.velocity_with(c);
+  const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(), velocity.x(),
+                              velocity.y()};
   tracker_.match(scan_points(seen, state, map_.graph.observation_noise, config_), map_);
   if (added) correct();
   if (has_scan && scan_loop_closer_.observe(map_)) tracker_.correct_window(map_);

@@ -142,6 +142,32 @@ TEST(DeadReckoning, AMeasuredMotionHoldsWhatWasExtrapolated) {
   }
 }
 
+TEST(DeadReckoning, AMeasuredMotionFollowsTheCalibrationOfTheWheelsInIt) {
+  // Measured motions with a derivative, told after a silence, on a reckoning that is calibrated
+  // already. Their sum by another calibration against the sum of each by that calibration.
+  Eigen::Matrix3d J;
+  J << 0.30, 0.02, -0.01, 0.01, -0.15, 0.08, 0.00, 0.20, -0.40;
+  const Eigen::Vector3d told(0.3, 0.02, 0.1);
+  const Eigen::Matrix3d P = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+  const auto driven = [&](const OdometryCalibration& at) {
+    DeadReckoning reckoning{SlamConfig{}};
+    reckoning.add(utime_at(0.0), Eigen::Vector3d::Zero(), P);
+    reckoning.restart(at);
+    for (int i = 1; i <= 4; ++i) {
+      reckoning.advance_to(utime_at(0.3 * i - 0.1));
+      reckoning.add(utime_at(0.3 * i), told, P, false, J);
+    }
+    return reckoning.motion();
+  };
+  const OdometryCalibration none = OdometryCalibration::Zero(), some(0.01, -0.02, 0.003);
+  EXPECT_TRUE(driven(some).delta.isApprox(driven(none).delta_with(some), 1e-3));
+  for (int column = 0; column < 3; ++column) {
+    const OdometryCalibration little = 1e-6 * OdometryCalibration::Unit(column);
+    const Eigen::Vector3d slope = (driven(some + little).delta - driven(some).delta) / 1e-6;
+    EXPECT_LT((slope - driven(some).calibration_jacobian.col(column)).norm(), 1e-5) << column;
+  }
+}
+
 TEST(DeadReckoning, TimeThatGoesBackAndNumbersThatAreNoneChangeNothing) {
   DeadReckoning reckoning{SlamConfig{}};
   reckoning.add(odometry(0.0, 1.0));

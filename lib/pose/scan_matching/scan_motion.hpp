@@ -88,7 +88,8 @@ struct MeasuredMotion {
   std::int64_t utime_to = 0;
   Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();   ///< x [m], y [m], yaw [rad]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of T_from_to
-  /// d(T_from_to) / d(calibration of the wheels), as far as they have a part in it.
+  /// d(T_from_to) / d(speed scale, turn scale, yaw rate bias [rad/s] of the wheels), as far as they
+  /// have a part in it.
   Eigen::Matrix3d calibration_jacobian = Eigen::Matrix3d::Zero();
   /// Of T_from_to if that calibration were known.
   Eigen::Matrix3d covariance_calibrated = Eigen::Matrix3d::Zero();

@@ -552,6 +552,27 @@ def yard(lab, seeds):
             "scans": f"{mean(e[1] for e in errors):.2f} m; {max(e[1] for e in errors):.2f} m"}
 
 
+def campus(lab, seeds):
+    """Streets of houses and hedges; one map at a time, because what each costs is measured."""
+    program = lab.digest("campus")
+    rigs = {how: lab.rig("yard", {"pose.motion": how}) for how in ("wheels", "scans")}
+    paths, processor_s = {}, []
+    for seed in seeds:
+        for shape in ("streets", "silent", "round"):
+            drive = lab.made("campus", {"program": program, "shape": shape, "seed": seed},
+                             lambda folder: lab.run("campus", shape, seed, folder / "drive.lcm", folder / "poses.csv"))
+            for how, rig in rigs.items():
+                lab.say(f"campus {shape} {seed}, motion {how}")
+                folder = lab.out / "campus" / f"{shape}-{seed}-{how}"
+                before = os.times()
+                lab.orchard("map", drive / "drive.lcm", "--config", lab.rig_file(rig), "--out", folder, "--jobs", 1, "--quiet")
+                after = os.times()
+                processor_s.append(after.children_user + after.children_system - before.children_user - before.children_system)
+                paths.setdefault((how, shape), []).append(lab.path(folder, drive / "poses.csv")["ape_position_m"]["rmse"])
+    said = {f"{shape}_{how}": span(paths[how, shape], 2) + " m" for how, shape in paths}
+    return {**said, "processor": f"{max(processor_s):.0f} s"}
+
+
 def slam_park(lab, seeds):
     runs = lab.lines("slam_trials", "park", seeds[0], seeds[-1])
     return {"path": f"{sum(r['rmse_m'] <= 0.5 for r in runs)} of {len(runs)}, median {median(r['rmse_m'] for r in runs):.2f} m",

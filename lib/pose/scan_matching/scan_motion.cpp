@@ -519,13 +519,14 @@ void ScanOdometry::add(const Measurement& measurement) {
   if (const auto* odometry = std::get_if<Odometry>(&measurement)) motion_.add(*odometry);
   const auto* scan = std::get_if<laser::Scan>(&measurement);
   if (!scan) return;
+  const Eigen::Vector3d T_map_before = motion_.T_map_base();
   const std::optional<MeasuredMotion> motion = motion_.add(*scan);
   if (!motion) {
     if (!utime_) utime_ = scan->utime;
     return;
   }
   covariance_ =
-      compose_covariance(motion_.T_map_base(), covariance_, motion->T_from_to, motion->covariance);
+      compose_covariance(T_map_before, covariance_, motion->T_from_to, motion->covariance);
   utime_ = motion->utime_to;
   num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
 }

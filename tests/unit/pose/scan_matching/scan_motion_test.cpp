@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -375,6 +377,42 @@ TEST(ScanMotion, TellsWhatTheCalibrationOfTheWheelsWouldChange) {
     const Eigen::Matrix3d lasting = plain[i].covariance - plain[i].covariance_calibrated;
     EXPECT_GE(lasting.diagonal().minCoeff(), 0.0) << i << ": known wheels tell no less";
     EXPECT_GT(plain[i].covariance_calibrated.diagonal().minCoeff(), 0.0) << i;
+  }
+}
+
+TEST(ScanOdometry, AddsUpItsCovarianceFromWhereEachMotionBegan) {
+  // Truth: the motions' covariances by numeric derivatives of the composition.
+  const CastWorld world = orchard_world();
+  const std::vector<Eigen::Vector3d> path{{0.0, 0.0, 0.0}, {0.4, 0.1, 0.5}, {0.7, 0.4, 1.0}};
+  constexpr std::int64_t kSecond_us = 1'000'000;
+  ScanOdometry odometry(PoseConfig{}, {}, {});
+  ScanMotion motion = motion_of();
+  Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const laser::Scan scan =
+        world.scan(static_cast<std::int64_t>(i) * kSecond_us, path[i], nullptr);
+    odometry.add(scan);
+    const std::optional<MeasuredMotion> moved = motion.add(scan);
+    if (!moved) continue;
+    Eigen::Matrix3d F, G;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d e = 1e-6 * Eigen::Vector3d::Unit(k);
+      F.col(k) =
+          (compose(T_map_base + e, moved->T_from_to) - compose(T_map_base - e, moved->T_from_to)) /
+          2e-6;
+      G.col(k) =
+          (compose(T_map_base, moved->T_from_to + e) - compose(T_map_base, moved->T_from_to - e)) /
+          2e-6;
+    }
+    P = F * P * F.transpose() + G * moved->covariance * G.transpose();
+    T_map_base = motion.T_map_base();
+    const std::optional<PoseEstimate> pose = odometry.estimate();
+    ASSERT_TRUE(pose);
+    Eigen::Matrix3d told;
+    const std::array<double, 6>& c = pose->covariance;
+    told << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    EXPECT_TRUE(told.isApprox(P, 1e-5)) << i << "\n" << told << "\n\n" << P;
   }
 }
 

@@ -111,6 +111,7 @@ void PriorMapLocaliser::add(const laser::Scan& scan) {
   const std::optional<MeasuredMotion> motion = scan_motion_->add(scan);
   if (!motion) {
     if (!utime_) begin_at(scan.utime);
+    if (utime_ < scan.utime) ++num_unreliable_;
     return;
   }
   utime_ = motion->utime_to;
@@ -131,6 +132,8 @@ void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
 
 void PriorMapLocaliser::add(const detection::Detections& seen) {
   if (utime_ && seen.utime < *utime_) return;
+  // What a scan shows tells nothing as long as the motion to it is not known.
+  if (utime_ && scan_motion_ && seen.utime > *utime_) return;
   begin_at(seen.utime);
   double speed_mps = 0.0, yaw_rate_radps = 0.0;
   if (scan_motion_) {

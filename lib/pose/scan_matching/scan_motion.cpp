@@ -353,7 +353,6 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
             compose_covariance(Eigen::Vector3d::Zero(), P_base_, m.delta, covariance);
       }
     }
-    wheels_.restart(OdometryCalibration::Zero());
   }
   if (expected.is_guess && utime_) {
     const SteadyMotion::Forecast steady = steady_.forecast(timing::seconds(utime - *utime_));
@@ -368,9 +367,9 @@ void ScanMotion::learn_surprise(double ratio) {
   surprise_ = std::max(1.0, surprise_);
 }
 
-MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
-                                   const std::optional<Eigen::Vector3d>& predicted,
-                                   std::vector<SurfacePoint>& points) {
+std::optional<MeasuredMotion> ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
+                                                  const std::optional<Eigen::Vector3d>& predicted,
+                                                  std::vector<SurfacePoint>& points) {
   MeasuredMotion motion;
   motion.utime_from = *utime_;
   motion.utime_to = scan.utime;
@@ -437,6 +436,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   P = (told + known).inverse();
   const bool is_taken =
       !is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere);
+  if (!is_taken && expected.is_measured) return std::nullopt;
   const Eigen::Matrix3d gain = is_taken ? Eigen::Matrix3d(P * told) : Eigen::Matrix3d::Zero();
   T_map_base_ = T_expected + gain * apart;
   motion.T_from_to = between(T_map_before, T_map_base_);
@@ -482,14 +482,24 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
     remember(points);
     return std::nullopt;
   }
-  const double yaw_before_rad = T_map_base_.z();
-  const MeasuredMotion motion = matched(scan, expected, predicted, points);
+  const Eigen::Vector3d T_before = T_map_base_, velocity_before = velocity_;
+  const Eigen::Matrix3d P_before = P_base_, D_before = D_base_;
+  const std::optional<MeasuredMotion> found = matched(scan, expected, predicted, points);
+  if (!found) {
+    T_map_base_ = T_before;
+    velocity_ = velocity_before;
+    P_base_ = P_before;
+    D_base_ = D_before;
+    return std::nullopt;
+  }
+  const MeasuredMotion& motion = *found;
+  wheels_.restart(OdometryCalibration::Zero());
   T_map_base_.z() = geometry::wrap_angle_rad(T_map_base_.z());
   travel_m_ += motion.T_from_to.head<2>().norm();
   steady_.add(motion.T_from_to, timing::seconds(scan.utime - *utime_), motion.reliable);
   velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(yaw_before_rad - T_map_base_.z());
+  R.topLeftCorner<2, 2>() = rotation(T_before.z() - T_map_base_.z());
   P_base_ = (R * P_base_ * R.transpose()).eval();
   D_base_ = (R * D_base_).eval();
   was_reliable_ = motion.reliable;
@@ -523,6 +533,7 @@ void ScanOdometry::add(const Measurement& measurement) {
   const std::optional<MeasuredMotion> motion = motion_.add(*scan);
   if (!motion) {
     if (!utime_) utime_ = scan->utime;
+    if (utime_ < scan->utime) ++num_unreliable_;
     return;
   }
   covariance_ =

@@ -114,8 +114,9 @@ class ScanMotion {
   /// Takes what the wheels measured, in order of time with the scans.
   void add(const Odometry& odometry) { wheels_.add(odometry); }
 
-  /// Returns the motion since the previous scan. None for the first scan, and for a scan that is
-  /// not later than the previous one, which is ignored. All numbers are finite. `predicted`:
+  /// Returns the motion since the previous scan. None for the first scan, for a scan that is not
+  /// later than the previous one, which is ignored, and for one that fits nowhere near where the
+  /// wheels put it: the next motion then begins before it. All numbers are finite. `predicted`:
   /// the motion as another sensor tells it, one more place to begin the search at.
   std::optional<MeasuredMotion> add(const laser::Scan& scan,
                                     const std::optional<Eigen::Vector3d>& predicted = {});
@@ -140,14 +141,15 @@ class ScanMotion {
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);
   /// `points`: of the scan, corrected for its motion by what is known before and after.
-  MeasuredMotion matched(const laser::Scan& scan, const Expected& expected,
-                         const std::optional<Eigen::Vector3d>& predicted,
-                         std::vector<SurfacePoint>& points);
+  /// None for a scan that has no place.
+  std::optional<MeasuredMotion> matched(const laser::Scan& scan, const Expected& expected,
+                                        const std::optional<Eigen::Vector3d>& predicted,
+                                        std::vector<SurfacePoint>& points);
   void remember(const std::vector<SurfacePoint>& points);
 
   ScanMotionConfig config_;
   Eigen::Vector3d wheels_sd_;  ///< prior of speed scale, turn scale, yaw rate bias
-  DeadReckoning wheels_;       ///< motion since the previous scan
+  DeadReckoning wheels_;       ///< motion since the previous scan that has a place
   /// Variance of the wheels' errors over what they state. Until the drive tells, three times the
   /// standard deviation is expected.
   double surprise_ = 9.0;

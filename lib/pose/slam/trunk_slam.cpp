@@ -70,7 +70,9 @@ void TrunkSlam::add(const Measurement& measurement) {
   } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
     scan_ = *scan;
     if (!scan_motion_) return;
-    if (const auto motion = scan_motion_->add(*scan)) {
+    const auto motion = scan_motion_->add(*scan);
+    next_scan_tells_ = motion ? !motion->reliable && motion->matched > 0.0 : !map_.empty();
+    if (motion) {
       motion_.add(motion->utime_to, motion->T_from_to, motion->covariance_calibrated,
                   motion->is_guess, motion->calibration_jacobian);
       add_blind_keyframe();
@@ -127,6 +129,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
   const RelativeMotion& m = motion_.motion();
   const std::int64_t since_us = motion_.utime() - map_.graph.keyframes.back().utime;
   if (since_us <= 0) return false;
+  if (next_scan_tells_ && m.travel_m < kBlindFactor * config_.keyframe_travel_m) return false;
   const double sd_m = std::sqrt(std::max(m.covariance(0, 0), m.covariance(1, 1)));
   const double sd_rad = std::sqrt(m.covariance(2, 2));
   const bool unsure = sd_m > factor * kKeyframeSd_m || sd_rad > factor * kKeyframeSd_rad;

@@ -92,6 +92,8 @@ class TrunkSlam : public Localiser {
   GnssPositions gnss_;
   std::optional<laser::Scan> scan_;  ///< newest scan
   std::optional<ScanMotion> scan_motion_;
+  /// The newest scan fits poorly: where it was is better known after the next one.
+  bool next_scan_tells_ = false;
   DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamMap map_;
   SlamTracker tracker_;

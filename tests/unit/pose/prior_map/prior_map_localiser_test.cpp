@@ -375,6 +375,45 @@ TEST(PriorMapLocaliser, FindsAndFollowsByScansInsteadOfWheels) {
       << stated.warning();
 }
 
+TEST(PriorMapLocaliser, WaitsForTheNextScanWhenTheWheelsContradictOne) {
+  // One scan in between shows what is seen from 1.2 m farther on.
+  const PriorWorld world = prior_world(21);
+  CastWorld cast;
+  for (const PriorLandmark& tree : world.trees) {
+    cast.circles.push_back({tree.p_map, 0.5 * tree.width_m});
+  }
+  const std::vector<Eigen::Vector3d> way = way_through(world);
+  PoseConfig config = config_of(PriorStart::kGiven, way[500]);
+  config.motion = MotionSource::kScans;
+  PriorMapLocaliser localiser(config, mapped(world, 21));
+  std::mt19937 noise(21);
+  std::size_t at = 500;
+  for (int i = 0; i < 40; ++i, at += 12) {
+    const std::int64_t utime = i * 100'000;
+    if (i > 0) {
+      const Eigen::Vector3d step = geometry::between(way[at - 12], way[at]);
+      Odometry odometry;
+      odometry.utime = utime;
+      odometry.seq = i;
+      odometry.speed_mps = 10.0 * step.x();
+      odometry.yaw_rate_radps = 10.0 * step.z();
+      localiser.add(Measurement(odometry));
+    }
+    const Eigen::Vector3d& T = way[i == 30 ? at + 60 : at];
+    localiser.add(Measurement(cast.scan(utime, T, &noise, 0.01)));
+    localiser.add(Measurement(trunks_seen(cast, utime, T)));
+    const std::optional<PoseEstimate> pose = localiser.estimate();
+    if (i < 20) continue;
+    ASSERT_TRUE(pose) << i;
+    EXPECT_EQ(pose->utime, i == 30 ? utime - 100'000 : utime);
+    const Eigen::Vector3d& told = way[i == 30 ? at - 12 : at];
+    EXPECT_LT(std::hypot(pose->x_m - told.x(), pose->y_m - told.y()), 0.15) << i;
+    EXPECT_EQ(localiser.warning().find("the last scan could not be matched") != std::string::npos,
+              i == 30)
+        << i << localiser.warning();
+  }
+}
+
 // A reading of the wheels is the mean since the one before, for whoever integrates it.
 
 constexpr double kPeriod_s = 0.1;

@@ -111,12 +111,12 @@ void PriorMapLocaliser::add(const laser::Scan& scan) {
   const std::optional<MeasuredMotion> motion = scan_motion_->add(scan);
   if (!motion) {
     if (!utime_) begin_at(scan.utime);
-    if (utime_ < scan.utime) ++num_unreliable_;
     return;
   }
+  num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
+  if (!motion->has_place) return;
   utime_ = motion->utime_to;
   last_motion_ = *motion;
-  num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
   move(motion->T_from_to, motion->covariance);
   if (belief_ && tracking_ && !motion->reliable) belief_->doubt_motion();
 }

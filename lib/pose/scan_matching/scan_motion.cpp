@@ -367,9 +367,9 @@ void ScanMotion::learn_surprise(double ratio) {
   surprise_ = std::max(1.0, surprise_);
 }
 
-std::optional<MeasuredMotion> ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
-                                                  const std::optional<Eigen::Vector3d>& predicted,
-                                                  std::vector<SurfacePoint>& points) {
+MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
+                                   const std::optional<Eigen::Vector3d>& predicted,
+                                   std::vector<SurfacePoint>& points) {
   MeasuredMotion motion;
   motion.utime_from = *utime_;
   motion.utime_to = scan.utime;
@@ -436,7 +436,8 @@ std::optional<MeasuredMotion> ScanMotion::matched(const laser::Scan& scan, const
   P = (told + known).inverse();
   const bool is_taken =
       !is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere);
-  if (!is_taken && expected.is_measured) return std::nullopt;
+  motion.has_place = is_taken || !expected.is_measured;
+  if (!motion.has_place) return motion;
   const Eigen::Matrix3d gain = is_taken ? Eigen::Matrix3d(P * told) : Eigen::Matrix3d::Zero();
   T_map_base_ = T_expected + gain * apart;
   motion.T_from_to = between(T_map_before, T_map_base_);
@@ -484,15 +485,14 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
   }
   const Eigen::Vector3d T_before = T_map_base_, velocity_before = velocity_;
   const Eigen::Matrix3d P_before = P_base_, D_before = D_base_;
-  const std::optional<MeasuredMotion> found = matched(scan, expected, predicted, points);
-  if (!found) {
+  const MeasuredMotion motion = matched(scan, expected, predicted, points);
+  if (!motion.has_place) {
     T_map_base_ = T_before;
     velocity_ = velocity_before;
     P_base_ = P_before;
     D_base_ = D_before;
-    return std::nullopt;
+    return motion;
   }
-  const MeasuredMotion& motion = *found;
   wheels_.restart(OdometryCalibration::Zero());
   T_map_base_.z() = geometry::wrap_angle_rad(T_map_base_.z());
   travel_m_ += motion.T_from_to.head<2>().norm();
@@ -533,13 +533,13 @@ void ScanOdometry::add(const Measurement& measurement) {
   const std::optional<MeasuredMotion> motion = motion_.add(*scan);
   if (!motion) {
     if (!utime_) utime_ = scan->utime;
-    if (utime_ < scan->utime) ++num_unreliable_;
     return;
   }
+  num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
+  if (!motion->has_place) return;
   covariance_ =
       compose_covariance(T_map_before, covariance_, motion->T_from_to, motion->covariance);
   utime_ = motion->utime_to;
-  num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
 }
 
 std::optional<PoseEstimate> ScanOdometry::estimate() const {

@@ -96,6 +96,9 @@ struct MeasuredMotion {
   double matched = 0.0;   ///< fraction of the later scan's points that match the local map
   bool reliable = false;  ///< false: the motion is a prediction or a guess
   bool is_guess = true;   ///< neither a reliable match nor the wheels tell it
+  /// False: the scan fits nowhere near where the wheels put it. They tell the motion meanwhile, and
+  /// the next one begins where this one does.
+  bool has_place = true;
 };
 
 /// Estimates the motion of base from scans, by registering each scan to a local map of the previous
@@ -114,9 +117,9 @@ class ScanMotion {
   /// Takes what the wheels measured, in order of time with the scans.
   void add(const Odometry& odometry) { wheels_.add(odometry); }
 
-  /// Returns the motion since the previous scan. None for the first scan, for a scan that is not
-  /// later than the previous one, which is ignored, and for one that fits nowhere near where the
-  /// wheels put it: the next motion then begins before it. All numbers are finite. `predicted`:
+  /// Returns the motion since the previous scan that has a place. None for the first scan, and for
+  /// a scan that is not later than the previous one, which is ignored. All numbers are finite.
+  /// `predicted`:
   /// the motion as another sensor tells it, one more place to begin the search at.
   std::optional<MeasuredMotion> add(const laser::Scan& scan,
                                     const std::optional<Eigen::Vector3d>& predicted = {});
@@ -141,10 +144,9 @@ class ScanMotion {
   Expected expected_at(std::int64_t utime);
   void learn_surprise(double ratio);
   /// `points`: of the scan, corrected for its motion by what is known before and after.
-  /// None for a scan that has no place.
-  std::optional<MeasuredMotion> matched(const laser::Scan& scan, const Expected& expected,
-                                        const std::optional<Eigen::Vector3d>& predicted,
-                                        std::vector<SurfacePoint>& points);
+  MeasuredMotion matched(const laser::Scan& scan, const Expected& expected,
+                         const std::optional<Eigen::Vector3d>& predicted,
+                         std::vector<SurfacePoint>& points);
   void remember(const std::vector<SurfacePoint>& points);
 
   ScanMotionConfig config_;

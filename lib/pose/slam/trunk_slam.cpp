@@ -12,6 +12,7 @@
 #include "pose/graph/calibration.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/motion.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 
@@ -71,8 +72,12 @@ void TrunkSlam::add(const Measurement& measurement) {
     scan_ = *scan;
     if (!scan_motion_) return;
     const auto motion = scan_motion_->add(*scan);
-    next_scan_tells_ = motion ? !motion->reliable && motion->matched > 0.0 : !map_.empty();
-    if (motion) {
+    next_scan_tells_ = motion && !motion->reliable && motion->matched > 0.0;
+    if (motion && !motion->has_place) {
+      const double dt_s = timing::seconds(motion->utime_to - motion->utime_from);
+      motion_.set_velocity(motion->T_from_to.x() / dt_s, motion->T_from_to.z() / dt_s);
+      motion_.advance_to(motion->utime_to);
+    } else if (motion) {
       motion_.add(motion->utime_to, motion->T_from_to, motion->covariance_calibrated,
                   motion->is_guess, motion->calibration_jacobian);
       add_blind_keyframe();

@@ -298,8 +298,13 @@ TEST(ScanMotion, TheNextTrunkOfARowIsNoSlipOfTheWheels) {
     const auto moved =
         motion.add((i == 11 ? carried : row).scan(utime, {0.25 * i, 0.0, 0.0}, nullptr));
     if (i < 2) continue;  // until the map holds more than one view
-    ASSERT_EQ(moved.has_value(), i != 11) << i;
-    if (i == 11) continue;
+    ASSERT_TRUE(moved);
+    EXPECT_EQ(moved->has_place, i != 11) << i;
+    if (i == 11) {
+      EXPECT_NEAR(moved->T_from_to.x(), 0.25, 0.01) << "the wheels' meanwhile";
+      EXPECT_FALSE(moved->reliable);
+      continue;
+    }
     // The scan after the carried one tells both steps.
     EXPECT_EQ(moved->utime_from, (i == 12 ? 10 : i - 1) * kPeriod_us);
     EXPECT_NEAR(moved->T_from_to.x(), i == 12 ? 0.5 : 0.25, 0.1) << i;

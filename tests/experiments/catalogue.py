@@ -364,6 +364,7 @@ EXPERIMENTS = {
         Row("track track_alone", "the same mapped with its track by slam with scans, against its survey of 120 vines and 40 posts, without alignment: things "
             "within 0.3 m of a landmark; landmarks in the block, the hull of the survey, that are within 0.3 m of a thing; mapped twice; vines in a row, posts in none; by "
             "the track alone, whose times and headings were found by matching", "155 of 160; 90 %; 2; 90 %", "mount, noise; rows' spacing seen on it / this drive",
+            "**Missed** by the share of landmarks and by two rows that are not found: of a copy with other scans left out all but one are, 143 of 154. "
             "Before the reach of a plant followed from its own rows: 162 of 181 = 90 %, 4 twice. Before what fills an empty slot was its tree: 146 of 158. Beyond the block "
             "stand the stays of its end posts, 25 mm thick, 0.4 to 0.8 m outside in the line of each row: 19 of them are landmarks."),
     ]),
@@ -395,7 +396,7 @@ EXPERIMENTS = {
         Row("second first", "the second half of the drive in the map of the first, which drove other aisles: from nowhere, and from a known start, with a "
             "pose, wrong without a warning; the first half in the map of the second", "-; 0 s", "rules of the test of a place on it / this drive",
             "**Missed**: six things of the first map stand within 6 m for half of the second drive, and from a start beside the map it is "
-            "AMBIGUOUS to the end; no pose errs by more than 0.6 m. Before what stands beside the map counted as part of an orchard: 0, 13 %, 0, 1 s (87aba14f)."),
+            "AMBIGUOUS to the end. Small changes decide: before a scan without a place waited for the next it was 0, 39 %, 0, 4 s. Before what stands beside the map counted as part of an orchard: 0, 13 %, 0, 1 s (87aba14f)."),
     ]),
     "vineyard_again": Experiment("Real recordings", seeds=(1, 6), trial=trials.vineyard_again, rows=[
         Row("paths start", "the same with another 3 % of the scans left out, six times: APE of the graph of trunks by scans and wheels (mean, "

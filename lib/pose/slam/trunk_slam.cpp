@@ -134,7 +134,11 @@ bool TrunkSlam::wants_keyframe(double factor) const {
   const RelativeMotion& m = motion_.motion();
   const std::int64_t since_us = motion_.utime() - map_.graph.keyframes.back().utime;
   if (since_us <= 0) return false;
-  if (next_scan_tells_ && m.travel_m < kBlindFactor * config_.keyframe_travel_m) return false;
+  // A fix tells at once where base is, and belongs to the keyframe before it.
+  if (next_scan_tells_ && !config_.use_fixes &&
+      m.travel_m < kBlindFactor * config_.keyframe_travel_m) {
+    return false;
+  }
   const double sd_m = std::sqrt(std::max(m.covariance(0, 0), m.covariance(1, 1)));
   const double sd_rad = std::sqrt(m.covariance(2, 2));
   const bool unsure = sd_m > factor * kKeyframeSd_m || sd_rad > factor * kKeyframeSd_rad;

@@ -96,8 +96,8 @@ struct MeasuredMotion {
   double matched = 0.0;   ///< fraction of the later scan's points that match the local map
   bool reliable = false;  ///< false: the motion is a prediction or a guess
   bool is_guess = true;   ///< neither a reliable match nor the wheels tell it
-  /// False: the scan fits nowhere near where the wheels put it. They tell the motion meanwhile, and
-  /// the next one begins where this one does.
+  /// False: the scan fits nowhere near where the wheels put it. The motion is then the wheels', and
+  /// the next scan tells the motion from `utime_from` on.
   bool has_place = true;
 };
 
@@ -119,8 +119,7 @@ class ScanMotion {
 
   /// Returns the motion since the previous scan that has a place. None for the first scan, and for
   /// a scan that is not later than the previous one, which is ignored. All numbers are finite.
-  /// `predicted`:
-  /// the motion as another sensor tells it, one more place to begin the search at.
+  /// `predicted`: the motion as another sensor tells it, one more place to begin the search at.
   std::optional<MeasuredMotion> add(const laser::Scan& scan,
                                     const std::optional<Eigen::Vector3d>& predicted = {});
 

@@ -92,7 +92,7 @@ class TrunkSlam : public Localiser {
   GnssPositions gnss_;
   std::optional<laser::Scan> scan_;  ///< newest scan
   std::optional<ScanMotion> scan_motion_;
-  /// The newest scan fits poorly: where it was is better known after the next one.
+  /// The newest scan fits poorly: where base was is better known after the next one.
   bool next_scan_tells_ = false;
   DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamMap map_;

@@ -195,10 +195,10 @@ void keep_probable_rows(const std::vector<Vector2d>& p_map, std::vector<RowTrack
     tracks.erase(std::remove_if(tracks.begin(), tracks.end(), is_no_row), tracks.end());
   };
   drop_if([](const RowTrack& track) { return track.chain.size() < kRowTreesMin; });
+  drop_if([](const RowTrack& track) { return track.log_odds < -std::log(kFalseRowsMax); });
   const double prior = log_odds_of_rows(tracks);
   drop_if([&](const RowTrack& track) {
-    return track.log_odds < -std::log(kFalseRowsMax) ||
-           track.log_odds_in_line + prior < std::log(kSure / (1.0 - kSure));
+    return track.log_odds_in_line + prior < std::log(kSure / (1.0 - kSure));
   });
   drop_crowded_tracks(p_map, tracks);
 }

@@ -362,15 +362,11 @@ ScanMotion::Expected ScanMotion::expected_at(std::int64_t utime) {
   return expected;
 }
 
-void ScanMotion::learn_surprise(double ratio) {
-  surprise_ += (std::min(ratio, kSurpriseGrowth * surprise_) - surprise_) / kSurpriseScans;
-  surprise_ = std::max(1.0, surprise_);
-}
-
-MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
-                                   const std::optional<Eigen::Vector3d>& predicted,
-                                   std::vector<SurfacePoint>& points) {
-  MeasuredMotion motion;
+ScanMotion::After ScanMotion::matched(const laser::Scan& scan, const Expected& expected,
+                                      const std::optional<Eigen::Vector3d>& predicted,
+                                      std::vector<SurfacePoint>& points) const {
+  After after;
+  MeasuredMotion& motion = after.motion;
   motion.utime_from = *utime_;
   motion.utime_to = scan.utime;
   motion.T_from_to = expected.T_from_to;
@@ -383,11 +379,12 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   const Eigen::Matrix3d F = compose_jacobian_first(Eigen::Vector3d::Zero(), expected.T_from_to);
   const Eigen::Matrix3d D_before = F * D_base_;
   const Eigen::Matrix3d P_before = F * P_base_ * F.transpose();
-  T_map_base_ = T_expected;
-  P_base_ = expected.P_base;
-  D_base_ = D_before + expected.calibration_jacobian;
+  after.T_map_base = T_expected;
+  after.P_base = expected.P_base;
+  after.D_base = D_before + expected.calibration_jacobian;
+  after.surprise = surprise_;
   std::vector<SurfacePoint> few = thinned(points, kThinning_m);
-  if (static_cast<int>(few.size()) < kPointsMin || map_.empty()) return motion;
+  if (static_cast<int>(few.size()) < kPointsMin || map_.empty()) return after;
 
   std::vector<Eigen::Vector3d> guesses{T_expected};
   double shift_max_m = config_.search_shift_m, turn_max_rad = geometry::kPi;
@@ -406,8 +403,9 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   const ScanMatcher matcher(map_);
   ScanMatch match = matcher.match(few, guesses, shift_max_m, turn_max_rad);
   if (config_.deskew && scan.beam_period_us > 0.0 && velocity_known_) {
-    velocity_ = between(T_map_before, match.T_map_base) / timing::seconds(scan.utime - *utime_);
-    points = surface_points(scan, mount_, blind_, velocity_, config_);
+    const Eigen::Vector3d velocity =
+        between(T_map_before, match.T_map_base) / timing::seconds(scan.utime - *utime_);
+    points = surface_points(scan, mount_, blind_, velocity, config_);
     few = thinned(points, kThinning_m);
     match = matcher.match(few, {match.T_map_base}, shift_max_m, turn_max_rad);
   }
@@ -421,9 +419,12 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   Eigen::Matrix3d P = (told + known).inverse();
   Eigen::Vector3d apart = match.T_map_base - T_expected;
   apart.z() = geometry::wrap_angle_rad(apart.z());
-  if (!P.allFinite() || !apart.allFinite()) return motion;
+  if (!P.allFinite() || !apart.allFinite()) return after;
   const double distance2 = apart.dot((known - known * P * known) * apart);
-  if (expected.is_measured) learn_surprise(surprise_ * distance2 / 3.0);
+  if (expected.is_measured) {
+    const double ratio = std::min(surprise_ * distance2 / 3.0, kSurpriseGrowth * surprise_);
+    after.surprise = std::max(1.0, surprise_ + (ratio - surprise_) / kSurpriseScans);
+  }
   const Eigen::Matrix3d unknown = unknown_motion().inverse();
   const bool is_impossible = expected.is_guess && apart.dot(unknown * apart) > kContradictionMax;
   const bool is_contradicted = expected.is_measured ? distance2 > kContradictionMax : is_impossible;
@@ -437,21 +438,21 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   const bool is_taken =
       !is_contradicted || (!is_impossible && match.score >= kScoreGood && !is_elsewhere);
   motion.has_place = is_taken || !expected.is_measured;
-  if (!motion.has_place) return motion;
+  if (!motion.has_place) return after;
   const Eigen::Matrix3d gain = is_taken ? Eigen::Matrix3d(P * told) : Eigen::Matrix3d::Zero();
-  T_map_base_ = T_expected + gain * apart;
-  motion.T_from_to = between(T_map_before, T_map_base_);
+  after.T_map_base = T_expected + gain * apart;
+  motion.T_from_to = between(T_map_before, after.T_map_base);
   // What the last motions foretell is no measurement of this one.
   if (expected.is_guess) P = (told + unknown).inverse();
   if (is_contradicted) P += apart * apart.transpose();
-  P_base_ = R.transpose() * P * R;
-  P_base_ = 0.5 * (P_base_ + P_base_.transpose()).eval();
+  after.P_base = R.transpose() * P * R;
+  after.P_base = 0.5 * (after.P_base + after.P_base.transpose()).eval();
   motion.reliable = match.score >= kScoreReliable && is_sure(P) && !is_contradicted;
   motion.is_guess = expected.is_guess && !motion.reliable;
-  motion.covariance = motion.covariance_calibrated = P_base_;
+  motion.covariance = motion.covariance_calibrated = after.P_base;
   Eigen::Matrix3d K = R.transpose() * gain * R;
   const Eigen::Matrix3d unfitted = Eigen::Matrix3d::Identity() - K;
-  D_base_ = (unfitted * D_base_).eval();
+  after.D_base = (unfitted * after.D_base).eval();
   if (expected.is_measured && !is_contradicted && was_reliable_) {
     const Eigen::Matrix3d lasting =
         unfitted * expected.calibration_jacobian * wheels_sd_.asDiagonal();
@@ -470,7 +471,7 @@ MeasuredMotion ScanMotion::matched(const laser::Scan& scan, const Expected& expe
   }
   motion.calibration_jacobian =
       expected.calibration_jacobian - K * (D_before + expected.calibration_jacobian);
-  return motion;
+  return after;
 }
 
 std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
@@ -483,25 +484,21 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan,
     remember(points);
     return std::nullopt;
   }
-  const Eigen::Vector3d T_before = T_map_base_, velocity_before = velocity_;
-  const Eigen::Matrix3d P_before = P_base_, D_before = D_base_;
-  const MeasuredMotion motion = matched(scan, expected, predicted, points);
-  if (!motion.has_place) {
-    T_map_base_ = T_before;
-    velocity_ = velocity_before;
-    P_base_ = P_before;
-    D_base_ = D_before;
-    return motion;
-  }
+  const After after = matched(scan, expected, predicted, points);
+  const MeasuredMotion& motion = after.motion;
+  surprise_ = after.surprise;
+  if (!motion.has_place) return motion;
   wheels_.restart(OdometryCalibration::Zero());
+  const double yaw_before_rad = T_map_base_.z();
+  T_map_base_ = after.T_map_base;
   T_map_base_.z() = geometry::wrap_angle_rad(T_map_base_.z());
   travel_m_ += motion.T_from_to.head<2>().norm();
   steady_.add(motion.T_from_to, timing::seconds(scan.utime - *utime_), motion.reliable);
   velocity_ = motion.T_from_to / timing::seconds(scan.utime - *utime_);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(T_before.z() - T_map_base_.z());
-  P_base_ = (R * P_base_ * R.transpose()).eval();
-  D_base_ = (R * D_base_).eval();
+  R.topLeftCorner<2, 2>() = rotation(yaw_before_rad - T_map_base_.z());
+  P_base_ = R * after.P_base * R.transpose();
+  D_base_ = R * after.D_base;
   was_reliable_ = motion.reliable;
   utime_ = scan.utime;
   if (config_.deskew && scan.beam_period_us > 0.0 && !velocity_known_) {

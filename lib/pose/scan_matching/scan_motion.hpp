@@ -140,12 +140,18 @@ class ScanMotion {
     bool is_guess = true;                                            ///< the wheels tell nothing
     bool is_measured = false;  ///< by the wheels, surely enough to help
   };
+  /// What a scan tells, with base in the axes of base before it.
+  struct After {
+    MeasuredMotion motion;
+    Eigen::Vector3d T_map_base;
+    Eigen::Matrix3d P_base, D_base;
+    double surprise = 1.0;
+  };
   Expected expected_at(std::int64_t utime);
-  void learn_surprise(double ratio);
   /// `points`: of the scan, corrected for its motion by what is known before and after.
-  MeasuredMotion matched(const laser::Scan& scan, const Expected& expected,
-                         const std::optional<Eigen::Vector3d>& predicted,
-                         std::vector<SurfacePoint>& points);
+  After matched(const laser::Scan& scan, const Expected& expected,
+                const std::optional<Eigen::Vector3d>& predicted,
+                std::vector<SurfacePoint>& points) const;
   void remember(const std::vector<SurfacePoint>& points);
 
   ScanMotionConfig config_;

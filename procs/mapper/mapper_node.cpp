@@ -4,17 +4,14 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/finish/findings.hpp"
 #include "mapping/pose_track.hpp"
-#include "pose/filter/gnss_positions.hpp"
 #include "timing/units.hpp"
 
 namespace orchard::procs {
@@ -37,12 +34,6 @@ constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
 /// derived: Max number of refreshed landmarks per scan: one more tile.
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
-/// derived: closer fixes share their error and add nothing to a fit of metres.
-constexpr double kFixSpacing_m = 0.5;
-
-/// derived: at a walking pace a tilt every 0.2 m: five times what a robot's length of ground needs.
-constexpr std::int64_t kTiltPeriod_us = 200'000;
-
 /// derived: How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to
 /// start, and earlier poses follow once the first pose is known.
 constexpr double kFirstPoseWait_s = 60.0;
@@ -79,9 +70,7 @@ MapperNode::MapperNode(const io::Config& config,
                        const std::shared_ptr<mapping::ChunkAllocator>& memory)
     : levelled_(config),
       config_(config.mapper),
-      p_base_antenna_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1],
-                        config.pose.gnss.antenna_height_m),
-      gnss_(config.pose.gnss),
+      fixes_(config.pose.gnss),
       mapper_(with_detector(config), {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
       track_(config.mapper.pose_gap_max_s, memory),
       queue_(rules_of(config.mapper)),
@@ -180,17 +169,12 @@ void MapperNode::add_scan(const laser::Scan& scan) {
 }
 
 void MapperNode::add_gnss(const pose::Gnss& gnss) {
-  const auto fix = gnss_.add(gnss);
-  if (fix) degradation_.note_fix(gnss.utime);
-  // While the robot stands, further fixes add nothing.
-  if (fix && (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
-    fixes_.push_back(*fix);
-  }
+  if (fixes_.add(gnss)) degradation_.note_fix(gnss.utime);
 }
 
 void MapperNode::add_tilt(std::int64_t utime) {
-  if (!tilts_.empty() && utime - tilts_.back().utime < kTiltPeriod_us) return;
-  if (const auto tilt = levelled_.tilt_at(utime)) tilts_.push_back({utime, *tilt});
+  if (!fixes_.wants_tilt_at(utime)) return;
+  if (const auto tilt = levelled_.tilt_at(utime)) fixes_.add_tilt(utime, *tilt);
 }
 
 bool MapperNode::deskews(const detection::Detections& detections) const {
@@ -347,63 +331,6 @@ void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32
   send_tiles(utime, landmarks, mapper_.num_landmarks(), removed_ids, send);
 }
 
-std::optional<geometry::Georeference> MapperNode::georeference() const {
-  std::vector<pose::AntennaObservation> observations;
-  for (const pose::GnssPosition& fix : fixes_) {
-    const auto pose = track_.at(fix.utime);
-    if (!pose) continue;
-    pose::AntennaObservation observation;
-    observation.p_enu_m = fix.p_enu_m;
-    observation.p_map_m =
-        mapping::PoseComposition(*pose).apply(p_base_antenna_m_.x(), p_base_antenna_m_.y());
-    observation.variance_m2 = 0.5 * fix.covariance.trace();
-    observations.push_back(observation);
-  }
-  const auto alignment = pose::align_to_gnss(observations);
-  if (!alignment) return std::nullopt;
-  const std::array<double, 3> datum = gnss_.datum().value();
-  geometry::Georeference georeference;
-  georeference.latitude_deg = datum[0];
-  georeference.longitude_deg = datum[1];
-  georeference.altitude_m = datum[2];
-  georeference.x_m = alignment->x_y_yaw.x();
-  georeference.y_m = alignment->x_y_yaw.y();
-  georeference.yaw_rad = alignment->x_y_yaw.z();
-  georeference.residual_rms_m = alignment->residual_rms_m;
-  return georeference;
-}
-
-/// The ground along the corrected path.
-pose::GroundProfile MapperNode::ground_profile() const {
-  const bool has_height = std::any_of(fixes_.begin(), fixes_.end(),
-                                      [](const auto& fix) { return fix.height_variance_m2 > 0.0; });
-  if (!has_height) return {};
-  std::vector<pose::GroundReading> readings;
-  const auto read = [&](std::int64_t utime) {
-    const auto pose = track_.at(utime);
-    if (pose) readings.push_back({utime, pose->x_m, pose->y_m, pose->yaw_rad, {}, 0.0, 0.0});
-    return pose.has_value();
-  };
-  auto tilt = tilts_.begin();
-  const auto read_tilts_to = [&](std::int64_t utime) {
-    for (; tilt != tilts_.end() && tilt->utime <= utime; ++tilt) {
-      if (read(tilt->utime)) readings.back().tilt = tilt->attitude;
-    }
-  };
-  for (const pose::GnssPosition& fix : fixes_) {
-    read_tilts_to(fix.utime);
-    if (!read(fix.utime)) continue;
-    pose::GroundReading& reading = readings.back();
-    reading.antenna_height_m = fix.height_m;
-    reading.antenna_variance_m2 = fix.height_variance_m2;
-    if (tilt != tilts_.begin() && std::abs(fix.utime - std::prev(tilt)->utime) <= kTiltPeriod_us) {
-      reading.tilt = std::prev(tilt)->attitude;
-    }
-  }
-  read_tilts_to(std::numeric_limits<std::int64_t>::max());
-  return pose::ground_along(readings, p_base_antenna_m_);
-}
-
 /// A real reflector is detected in most observations of its landmark, other objects never.
 /// Otherwise the threshold lies within the reflectors' returns.
 const std::string& MapperNode::label_conflicts_text() const {
@@ -437,14 +364,21 @@ std::string MapperNode::warning() const {
   };
   add(beam_times_.text());
   add(label_conflicts_text());
-  const auto& place = on_earth().place;
-  if (place && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
-    add(
-        fmt::format("the GNSS fixes deviate by {:.2f} m (RMS) from the georeferenced map, more "
-                    "than {:.1f} m: its position on the earth is doubtful",
-                    place->residual_rms_m, geometry::kGeoreferenceResidualMax_m));
+  const pose::OnEarth& earth = on_earth();
+  if (const auto& place = earth.place;
+      place && !earth.doubt && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
+    add(fmt::format(
+        "the GNSS fixes deviate by {:.2f} m (RMS) from the georeferenced map, more "
+        "than {:.1f} m: its position on the earth is doubtful, and so is the path if the "
+        "receiver errs less",
+        place->residual_rms_m, geometry::kGeoreferenceResidualMax_m));
   }
   return warning;
+}
+
+std::vector<Finding> MapperNode::findings() const {
+  if (const auto& doubt = on_earth().doubt) return {*doubt};
+  return {};
 }
 
 bus::NodeCounts MapperNode::counts() const {
@@ -504,22 +438,19 @@ std::string MapperNode::waiting_for() const {
 
 using mapping::Omission;
 
-/// Without a georeference nobody could say above what the heights are.
-MapperNode::OnEarth MapperNode::read_on_earth() const {
-  OnEarth read{fixes_.size(), georeference(), {}};
-  if (read.place) read.ground = ground_profile();
-  return read;
+pose::PathAt MapperNode::path() const {
+  return [this](std::int64_t utime) { return track_.at(utime); };
 }
 
-const MapperNode::OnEarth& MapperNode::on_earth() const {
+const pose::OnEarth& MapperNode::on_earth() const {
   if (is_flushed_ || 8 * fixes_.size() >= 9 * on_earth_.num_fixes) {
-    on_earth_ = read_on_earth();
+    on_earth_ = fixes_.along(path());
   }
   return on_earth_;
 }
 
 const mapping::FinishedMap& MapperNode::finished() const {
-  if (!finished_) finished_ = mapping::finish(mapper_, read_on_earth().ground);
+  if (!finished_) finished_ = mapping::finish(mapper_, fixes_.along(path()).ground);
   return *finished_;
 }
 
@@ -537,6 +468,8 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.trajectory = track_.poses();
   for (pose::PoseEstimate& pose : content.trajectory) pose.utime = timing::utime_of(pose.utime);
   content.summary = summary;
+  pose::OnEarth earth = fixes_.along(path());
+  if (earth.doubt) content.summary.quality.push_back(*std::move(earth.doubt));
   for (Finding& finding : mapping::findings_of(map.landmarks, config_.rows.has_rows())) {
     content.summary.quality.push_back(std::move(finding));
   }
@@ -549,9 +482,9 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   if (const std::size_t num = map.hidden_tree_ids.size(); num > 0) {
     content.summary.counts.emplace_back("trunks_hidden", num);
   }
-  content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
+  content.photographs = album_.photographs(path());
   content.album_bytes_max = album_.max_bytes();
-  content.georeference = georeference();
+  content.georeference = std::move(earth.place);
   content.degraded = degradation_.intervals();
   content.tree_scatter_m = mapper_.tree_scatter_m();
   return content;

@@ -18,9 +18,7 @@
 #include "mapping/finish/map_ways.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
-#include "pose/attitude/attitude.hpp"
-#include "pose/attitude/ground_profile.hpp"
-#include "pose/filter/gnss_positions.hpp"
+#include "pose/filter/on_earth.hpp"
 #include "pose/pose_estimate.hpp"
 #include "timing/ordered_queue.hpp"
 
@@ -47,7 +45,8 @@ namespace orchard::procs {
 /// not wait for it, and the map does not depend on it.
 ///
 /// GNSS gives the georeference: the corrected path is fitted to the fixes. With the tilt where
-/// scans are levelled it gives the heights of the ground.
+/// scans are levelled it gives the heights of the ground. Where the path lies beside the fixes it
+/// tells so.
 class MapperNode : public bus::Node {
  public:
   /// `memory` stores the data of a long drive; none: the heap. It changes no output.
@@ -62,6 +61,7 @@ class MapperNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override;
+  std::vector<Finding> findings() const override;
 
   /// Content of the map's files: the finished map, and all POSE.
   io::MapFolderContent content(const io::MapSummary& summary) const;
@@ -113,15 +113,10 @@ class MapperNode : public bus::Node {
 
   void take(const bus::Message& input, const bus::Outbox& send);
   const std::string& label_conflicts_text() const;
-  /// What so many fixes tell of the path. Reading it takes time proportional to the drive, so it is
-  /// repeated only after growth by an eighth.
-  struct OnEarth {
-    std::size_t num_fixes = 0;
-    std::optional<geometry::Georeference> place;
-    pose::GroundProfile ground;
-  };
-  OnEarth read_on_earth() const;
-  const OnEarth& on_earth() const;
+  /// Reading it takes time proportional to the drive, so it is repeated only after growth by an
+  /// eighth.
+  const pose::OnEarth& on_earth() const;
+  pose::PathAt path() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
   void add_tilt(std::int64_t utime);
@@ -130,8 +125,6 @@ class MapperNode : public bus::Node {
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
   FreeSpacePtr take_free_space(std::int64_t utime);
-  std::optional<geometry::Georeference> georeference() const;
-  pose::GroundProfile ground_profile() const;
   void correct_up_to(std::int64_t utime, const bus::Outbox& send);
   bool is_rebuild_due() const;
   void rebuild_map(const bus::Outbox& send);
@@ -149,14 +142,7 @@ class MapperNode : public bus::Node {
 
   bus::LevelledInputs levelled_;
   mapping::MapperConfig config_;
-  Eigen::Vector3d p_base_antenna_m_;
-  pose::GnssPositions gnss_;
-  std::vector<pose::GnssPosition> fixes_;
-  struct Tilt {
-    std::int64_t utime;
-    pose::Attitude attitude;
-  };
-  std::vector<Tilt> tilts_;
+  pose::FixesOfDrive fixes_;
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   Queue queue_;
@@ -173,7 +159,7 @@ class MapperNode : public bus::Node {
   /// drive, so it is repeated only after growth by an eighth.
   mutable std::string label_conflicts_text_;
   mutable std::size_t num_voted_ = 0;
-  mutable OnEarth on_earth_;
+  mutable pose::OnEarth on_earth_;
   mutable std::optional<mapping::FinishedMap> finished_;  ///< of the inputs so far
   std::int32_t last_id_ = 0;                              ///< highest landmark id so far
   bool is_flushed_ = false;

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SLAM on trunks over many seeds without ray casting: what wheels with memory and a scanner say in
-// scene park, or in rows that are left, lost by some metres and entered again.
-//   slam_trials park|rows FIRST LAST
+// scene park, or in rows that are left, lost by some metres and entered again; `fixes`: with a
+// receiver that is silent on the way round and comes in bursts, of which some err together;
+// `twins`: and the rows that are entered are not those that were left, but planted alike.
+//   slam_trials park|rows|fixes|twins FIRST LAST
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/json_line.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/georeference.hpp"
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
+#include "pose/filter/on_earth.hpp"
 #include "pose/slam/trunk_slam.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene/scenes.hpp"
@@ -36,6 +42,12 @@ struct Tree {
   double width_m = 0.0;
 };
 
+/// Fixes within a time; all of a burst that errs are displaced alike.
+struct Burst {
+  double begin_s = 0.0, end_s = 0.0;
+  Eigen::Vector2d off_m = Eigen::Vector2d::Zero();
+};
+
 struct World {
   std::vector<Tree> trees;
   simulation::DrivePath path;
@@ -48,7 +60,9 @@ struct World {
   double false_per_scan = 0.2;
   simulation::MotionConfig motion;
   simulation::WheelsConfig wheels;
-  double again_s = 1e9;  // when the same rows are entered again
+  double again_s = 1e9;   // when the same rows are entered again
+  double silent_s = 1e9;  // when they are left
+  std::vector<Burst> bursts;
 };
 
 World park(std::uint64_t seed) {
@@ -76,19 +90,21 @@ World park(std::uint64_t seed) {
 
 /// Eight rows, every aisle driven; home by a long way round where nothing stands, on which the
 /// wheels drift by metres; then some aisles again, from another one on.
-World rows(std::uint64_t seed) {
+World rows(std::uint64_t seed, bool twins = false) {
   World world;
   Random random(seed, Stream::kScene);
-  constexpr int kRows = 8, kTrees = 24;
-  constexpr double kRow_m = 4.0, kTree_m = 2.5;
-  for (int r = 0; r < kRows; ++r) {
+  constexpr int kTrees = 24;
+  constexpr double kRow_m = 4.0, kTree_m = 2.5, kTwin_m = 6.0 * kRow_m;
+  const int num_rows = twins ? 4 : 8;
+  for (int r = 0; r < num_rows; ++r) {
     for (int t = 0; t < kTrees; ++t) {
       const bool missing = random.uniform() < 0.08;
       const double dx_m = random.uniform(-0.15, 0.15), dy_m = random.uniform(-0.15, 0.15);
       const double width_m = random.normal(0.125, 0.012);
-      if (!missing) {
-        world.trees.push_back({{t * kTree_m + dx_m + 5.0, (r - 0.5) * kRow_m + dy_m}, width_m});
-      }
+      if (missing) continue;
+      const Eigen::Vector2d p_map(t * kTree_m + dx_m + 5.0, (r - 0.5) * kRow_m + dy_m);
+      world.trees.push_back({p_map, width_m});
+      if (twins) world.trees.push_back({p_map + Eigen::Vector2d(0.0, kTwin_m), width_m});
     }
   }
   world.path = simulation::DrivePath({0.0, 0.0, 0.0}, 1.0);
@@ -103,10 +119,12 @@ World rows(std::uint64_t seed) {
     }
   };
   const auto quarter = [&] { world.path.append(0.5 * geometry::kPi * kTurn_m, 1.0 / kTurn_m); };
-  aisles(kRows - 1, 1.0);
-  const double last_y_m = (kRows - 2) * kRow_m;
+  aisles(num_rows - 1, 1.0);
+  world.silent_s = world.path.duration_s();
+  const double last_y_m = (num_rows - 2) * kRow_m;
   const double away_m = random.uniform(60.0, 120.0);
-  const double again_y_m = kRow_m * std::floor(random.uniform(0.0, kRows - 3.0));
+  const double again_y_m =
+      twins ? kTwin_m : kRow_m * std::floor(random.uniform(0.0, num_rows - 3.0));
   world.path.append(20.0, 0.0);
   quarter();
   world.path.append(away_m, 0.0);
@@ -131,6 +149,48 @@ World rows(std::uint64_t seed) {
   world.wheels.bias_wander_sd_radps = 0.001;
   world.wheels.states_covariance = false;
   return world;
+}
+
+constexpr double kFixPeriod_s = 0.3;
+constexpr double kFixSd_m = 0.3;
+constexpr double kBurst_s = 8.0;       // in the rows, every 40 s
+constexpr double kBurstLate_s = 25.0;  // once, in the rows entered again
+constexpr double kAstray = 0.25;       // of bursts
+const geometry::Georeference kDatum{52.0, 5.0, 10.0, 0.0, 0.0, 0.0, 0.0};
+
+void add_receiver(std::uint64_t seed, World& world) {
+  Random random(seed, Stream::kGnss);
+  for (double t_s = 0.0; t_s < world.silent_s; t_s += 40.0) {
+    Burst burst{t_s, t_s + kBurst_s};
+    if (t_s > 0.0 && random.uniform() < kAstray) {
+      const double way_rad = random.uniform(-geometry::kPi, geometry::kPi);
+      burst.off_m =
+          random.uniform(4.0, 12.0) * Eigen::Vector2d(std::cos(way_rad), std::sin(way_rad));
+    }
+    world.bursts.push_back(burst);
+  }
+  world.bursts.push_back({world.again_s + 15.0, world.again_s + 15.0 + kBurstLate_s});
+}
+
+std::optional<pose::Gnss> fix_at(const World& world, std::uint64_t seed, double t_s,
+                                 std::int64_t utime, const Eigen::Vector2d& p_map) {
+  const auto burst = std::find_if(world.bursts.begin(), world.bursts.end(), [&](const Burst& b) {
+    return t_s >= b.begin_s && t_s < b.end_s;
+  });
+  if (burst == world.bursts.end()) return std::nullopt;
+  Random noise(seed, Stream::kGnss, static_cast<std::uint64_t>(utime));
+  const Eigen::Vector2d seen =
+      p_map + burst->off_m +
+      Eigen::Vector2d(noise.normal(0.0, kFixSd_m), noise.normal(0.0, kFixSd_m));
+  const geometry::Geodetic g = geometry::geodetic_of(kDatum, seen);
+  pose::Gnss fix;
+  fix.utime = utime;
+  fix.latitude_deg = g.latitude_deg;
+  fix.longitude_deg = g.longitude_deg;
+  fix.altitude_m = kDatum.altitude_m;
+  fix.fix_quality = 5;
+  fix.covariance = {kFixSd_m * kFixSd_m, 0.0, 0.0, kFixSd_m * kFixSd_m, 0.0, 1.0};
+  return fix;
 }
 
 /// What a scan holds of the trees.
@@ -199,11 +259,21 @@ struct Result {
   int mixed = 0;
   int closures = 0, refuted = 0, twice = 0, landmarks = 0, lost = 0, ambiguous = 0, scans = 0;
   double mops = 0.0, drift_m = 0.0;
+  bool is_doubted = false;
+  double off_m = 0.0;                    // without alignment, most, in the rows
+  double late_m = 0.0, late_sd_m = 0.0;  // after the last burst
   int closures_again = 0;
 };
 
 Result drive(const World& world, std::uint64_t seed) {
-  pose::TrunkSlam slam{pose::PoseConfig{}};
+  pose::PoseConfig config;
+  config.slam.use_gnss = !world.bursts.empty();
+  if (config.slam.use_gnss) {
+    config.gnss.datum = {kDatum.latitude_deg, kDatum.longitude_deg, kDatum.altitude_m};
+  }
+  pose::TrunkSlam slam{config};
+  pose::FixesOfDrive fixes(config.gnss);
+  double fix_s = 0.0;
   Random run(seed, Stream::kOdometryRun);
   const auto errors = simulation::draw_odometry_errors(world.motion, world.wheels, run);
   const simulation::WheelErrorModel memory(seed, world.wheels, world.path.duration_s());
@@ -219,6 +289,13 @@ Result drive(const World& world, std::uint64_t seed) {
                                                             world.motion, world.wheels, noise);
     odometry.utime = utime;
     slam.add(odometry);
+    if (t_s >= fix_s) {
+      fix_s += kFixPeriod_s;
+      if (const auto fix = fix_at(world, seed, t_s, utime, {pose.x_m, pose.y_m})) {
+        slam.add(pose::Measurement(*fix));
+        fixes.add(*fix);
+      }
+    }
     if (step % kOdometryPerScan != 0) continue;
     Random scan(seed, Stream::kScan, static_cast<std::uint64_t>(step));
     slam.add(pose::Measurement(observe(world, seed, utime, vector_of(pose), scan)));
@@ -229,6 +306,10 @@ Result drive(const World& world, std::uint64_t seed) {
     const auto estimate = slam.estimate();
     if (!estimate) continue;
     const double error_m = std::hypot(estimate->x_m - pose.x_m, estimate->y_m - pose.y_m);
+    if (!world.bursts.empty() && t_s < world.bursts.back().end_s) {
+      result.late_m = error_m;
+      result.late_sd_m = std::sqrt(estimate->covariance[0] + estimate->covariance[3]);
+    }
     if (t_s < world.again_s) {
       result.drift_m = error_m;
       result.closures_again = -slam.num_closures();
@@ -240,6 +321,10 @@ Result drive(const World& world, std::uint64_t seed) {
     const simulation::Pose2 pose = world.path.pose_at(static_cast<double>(k.utime - kStart) * 1e-6);
     told.push_back(k.T_map_base.head<2>());
     truth.emplace_back(pose.x_m, pose.y_m);
+    const double t_s = static_cast<double>(k.utime - kStart) * 1e-6;
+    if (t_s < world.silent_s || t_s > world.again_s) {
+      result.off_m = std::max(result.off_m, (told.back() - truth.back()).norm());
+    }
   }
   const geometry::RigidFit2 fit = geometry::fit_rigid(truth, told);
   double sum = 0.0;
@@ -261,6 +346,15 @@ Result drive(const World& world, std::uint64_t seed) {
   result.closures = slam.num_closures();
   result.closures_again += result.closures;
   result.refuted = slam.num_refuted_closures();
+  std::map<std::int64_t, Eigen::Vector3d> path;
+  for (const pose::Keyframe& k : slam.graph().keyframes) path[k.utime] = k.T_map_base;
+  const pose::OnEarth on_earth =
+      fixes.along([&](std::int64_t utime) -> std::optional<pose::PoseEstimate> {
+        const auto next = path.lower_bound(utime);
+        if (next == path.end()) return std::nullopt;
+        return pose::pose_estimate(utime, next->second, Eigen::Matrix3d::Zero());
+      });
+  result.is_doubted = on_earth.doubt.has_value();
   result.mops = static_cast<double>(slam.num_operations()) * 1e-6;
   // trees that are more than one landmark
   std::vector<int> times(world.trees.size(), 0);
@@ -300,12 +394,14 @@ Result drive(const World& world, std::uint64_t seed) {
 int main(int argc, char** argv) {
   using namespace orchard;
   if (argc != 4) {
-    std::fprintf(stderr, "usage: slam_trials park|rows FIRST LAST\n");
+    std::fprintf(stderr, "usage: slam_trials park|rows|fixes|twins FIRST LAST\n");
     return 2;
   }
   const std::uint64_t last = std::strtoull(argv[3], nullptr, 10);
   for (std::uint64_t seed = std::strtoull(argv[2], nullptr, 10); seed <= last; ++seed) {
-    const World world = std::string(argv[1]) == "park" ? park(seed) : rows(seed);
+    const std::string kind = argv[1];
+    World world = kind == "park" ? park(seed) : rows(seed, kind == "twins");
+    if (kind == "fixes" || kind == "twins") add_receiver(seed, world);
     const Result r = drive(world, seed);
     trials::print_json({{"seed", seed},
                         {"rmse_m", r.rmse_m},
@@ -321,7 +417,11 @@ int main(int argc, char** argv) {
                         {"ambiguous", 1.0 * r.ambiguous / r.scans},
                         {"mops", r.mops},
                         {"drift_m", r.drift_m},
-                        {"closures_again", r.closures_again}});
+                        {"closures_again", r.closures_again},
+                        {"doubted", r.is_doubted},
+                        {"off_m", r.off_m},
+                        {"late_m", r.late_m},
+                        {"late_sd_m", r.late_sd_m}});
   }
   return 0;
 }

@@ -587,6 +587,14 @@ def slam_rows(lab, seeds):
     return {"closed": f"{len(right)} right, {len(left_open)} open, {len(runs) - len(right) - len(left_open)} wrong of {len(runs)}"}
 
 
+def slam_fixes(lab, seeds):
+    bursts, twins = (lab.lines("slam_trials", kind, seeds[0], seeds[-1]) for kind in ("fixes", "twins"))
+    off = [r["off_m"] for r in bursts]
+    wrong = [r for r in twins if r["off_m"] > 5.0]
+    return {"rows": f"{median(off):.2f} m, {max(off):.2f} m", "nees": f"{mean(r['nees'] for r in bursts):.1f}",
+            "twins": f"{len(twins) - len(wrong)} of {len(twins)}; {sum(r['doubted'] for r in wrong):.0f} of {len(wrong)}"}
+
+
 def scale(lab, seeds):
     rig = lab.rig("scale")
     drive = lab.drive(rig, seeds[0])

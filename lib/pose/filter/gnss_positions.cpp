@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/georeference.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
 
@@ -172,7 +173,12 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaObservation>
   observe();
   GnssAlignment alignment;
   double sum2 = 0.0;
+  std::vector<double> contradicting_m;
   for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (off_m[i] > std::max(geometry::kGeoreferenceResidualMax_m,
+                            3.0 * std::sqrt(observations[i].variance_m2))) {
+      contradicting_m.push_back(off_m[i]);
+    }
     if (is_used[i] == 0) {
       ++alignment.num_left_out;
       continue;
@@ -181,6 +187,8 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaObservation>
     sum2 += off_m[i] * off_m[i];
   }
   if (alignment.num_used < static_cast<int>(kObservationsMin)) return std::nullopt;
+  alignment.num_contradicting = static_cast<int>(contradicting_m.size());
+  if (!contradicting_m.empty()) alignment.contradicting_m = geometry::median(contradicting_m);
   alignment.x_y_yaw = best.T_a_b.vector();
   alignment.residual_rms_m = std::sqrt(sum2 / alignment.num_used);
   const double spread_wanted_m = std::max(

@@ -84,6 +84,10 @@ struct GnssAlignment {
   double residual_rms_m = 0.0;                        ///< of the fixes used
   int num_used = 0;
   int num_left_out = 0;  ///< outliers, e.g. jumps
+  /// Fixes, of all, that are farther from the path than three of their standard deviations and
+  /// kGeoreferenceResidualMax_m; and their median distance [m].
+  int num_contradicting = 0;
+  double contradicting_m = 0.0;
 };
 
 /// Finds the rigid transform that registers the robot's path in map to its satellite fixes,

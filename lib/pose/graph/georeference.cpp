@@ -115,17 +115,18 @@ void add_position(AbsolutePosition position, SlamGraph& graph) {
   graph.keyframes.back().positions.push_back(position);
 }
 
-RejectedFixes rejected_fixes(const SlamGraph& graph) {
+RejectedFixes rejected_fixes(const SlamGraph& graph, bool of_receiver) {
   RejectedFixes all;
   std::int64_t since = 0;
   bool goes_on = false;
   for (const Keyframe& k : graph.keyframes) {
     for (const AbsolutePosition& position : k.positions) {
-      if (position.receiver_error < 0) continue;
+      if ((position.receiver_error >= 0) != of_receiver) continue;
       ++all.num_fixes;
       const Eigen::Vector2d off_m = position.p_map - p_by_path(k, position);
-      const double error = graph.receiver.noise + graph.receiver.correlated;
-      const double variance = std::max(1.0, error) * per_axis_variance(position);
+      const double error =
+          of_receiver ? std::max(1.0, graph.receiver.noise + graph.receiver.correlated) : 1.0;
+      const double variance = error * per_axis_variance(position);
       const bool contradicts = off_m.squaredNorm() > square(kLeftOut_sigma) * variance;
       if (!position.is_displaced) all.newest_contradicts = contradicts;
       if (!contradicts && !position.is_displaced) {
@@ -143,11 +144,12 @@ RejectedFixes rejected_fixes(const SlamGraph& graph) {
   return all;
 }
 
-std::string rejected_fixes_text(const RejectedFixes& left_out) {
+std::string rejected_fixes_text(const RejectedFixes& left_out, bool of_receiver) {
   if (left_out.num_left_out == 0) return {};
-  return fmt::format(
-      "{} of {} GNSS fixes were rejected, with errors of up to {:.1f} m, for up to {:.1f} s",
-      left_out.num_left_out, left_out.num_fixes, left_out.farthest_m, left_out.longest_s);
+  return fmt::format("{} of {} {} were rejected, with errors of up to {:.1f} m, for up to {:.1f} s",
+                     left_out.num_left_out, left_out.num_fixes,
+                     of_receiver ? "GNSS fixes" : "POSE_FIX", left_out.farthest_m,
+                     left_out.longest_s);
 }
 
 void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {

@@ -29,7 +29,7 @@ double per_axis_variance(const AbsolutePosition& position);
 /// Returns the measured point's position in map as estimated by the path [m].
 Eigen::Vector2d p_by_path(const Keyframe& keyframe, const AbsolutePosition& position);
 
-/// Statistics of the GNSS fixes that contradict the solved path.
+/// Statistics of the fixes that contradict the solved path.
 struct RejectedFixes {
   int num_fixes = 0;  ///< all fixes
   int num_left_out = 0;
@@ -38,10 +38,11 @@ struct RejectedFixes {
   double farthest_m = 0.0;
   double longest_s = 0.0;  ///< longest time from the first to the last of consecutive ones
 };
-RejectedFixes rejected_fixes(const SlamGraph& graph);
+/// Counts the fixes of the receiver, or else those of POSE_FIX.
+RejectedFixes rejected_fixes(const SlamGraph& graph, bool of_receiver = true);
 
 /// Formats the statistics for the user; empty if no fix was left out.
-std::string rejected_fixes_text(const RejectedFixes& left_out);
+std::string rejected_fixes_text(const RejectedFixes& left_out, bool of_receiver = true);
 
 /// Splits the receiver's variance into white noise and a time-correlated error, by comparing the
 /// steps between its fixes with the path: what the steps do not show of the claimed variance is

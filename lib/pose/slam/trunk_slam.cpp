@@ -265,6 +265,8 @@ void TrunkSlam::finish() {
   if (scan_loop_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
   told_.end(map_.graph);
   rejected_text_ = rejected_fixes_text(rejected_fixes(map_.graph));
+  const RejectedFixes off = rejected_fixes(map_.graph, false);
+  if (kWorthSaying * off.num_left_out > off.num_fixes) off_text_ = rejected_fixes_text(off, false);
   receiver_text_ = receiver_text(map_.graph);
 }
 
@@ -328,6 +330,12 @@ std::vector<Finding> TrunkSlam::findings() const {
              "; drive past known trees again"});
   }
   if (!rejected_text_.empty()) findings.push_back({"fixes_left_out", "pose.gnss", rejected_text_});
+  if (!off_text_.empty()) {
+    findings.push_back({"path_contradicts_fixes", "pose.fix_position_sd_m",
+                        off_text_ +
+                            ": trees were mistaken for one another there, or these fixes err "
+                            "more than they or pose.fix_position_sd_m state"});
+  }
   if (!receiver_text_.empty()) findings.push_back({"receiver_noise", "pose.gnss", receiver_text_});
   return findings;
 }

@@ -106,7 +106,8 @@ class TrunkSlam : public Localiser {
   std::int64_t lost_us_ = 0;
   std::int64_t ambiguous_us_ = 0;
   bool finished_ = false;
-  std::string rejected_text_, receiver_text_;  ///< what the fixes showed; set by finish()
+  /// What the fixes showed; set by finish().
+  std::string rejected_text_, off_text_, receiver_text_;
 };
 
 }  // namespace orchard::pose

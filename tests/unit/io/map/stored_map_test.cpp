@@ -268,17 +268,5 @@ TEST(MapGeopackage, HoldsWaysAndRowsAsLayers) {
   EXPECT_THAT(read_bytes(folder / "graph.json"), HasSubstr("\"kind\": \"aisle\""));
 }
 
-TEST(Summary, WarnsOfAGeoreferenceThatDoesNotFit) {
-  const TestFolder folder;
-  MapFolderContent content = content_with_rows();
-  content.georeference = geometry::Georeference{50.0, 8.0, 100.0, 0.0, 0.0, 0.0, 0.29};
-  write_map_folder(folder.path(), content);
-  EXPECT_THAT(read_bytes(folder / "summary.json"), Not(HasSubstr("doubtful")));
-  content.georeference->residual_rms_m = 0.84;
-  write_map_folder(folder.path(), content);
-  EXPECT_THAT(read_bytes(folder / "summary.json"),
-              HasSubstr("doubtful: GNSS fixes deviate by 0.84 m"));
-}
-
 }  // namespace
 }  // namespace orchard::io

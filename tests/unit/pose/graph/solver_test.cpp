@@ -141,6 +141,26 @@ TEST(Receiver, ReflectionsAreLeftOutAndSaid) {
   EXPECT_EQ(rejected_fixes(drive({0.3, kClaimed_m}, 5)).num_fixes, 600);
 }
 
+TEST(PoseFixes, ThoseBesideThePathAreCounted) {
+  SlamGraph graph;
+  for (int i = 0; i < 20; ++i) {
+    Keyframe keyframe;
+    keyframe.utime = 1'000'000 * (i + 1);
+    keyframe.T_map_base = {1.0 * i, 0.0, 0.0};
+    graph.keyframes.push_back(keyframe);
+    AbsolutePosition position;
+    position.utime = keyframe.utime;
+    position.p_map = {1.0 * i, i >= 10 && i < 15 ? 0.5 : 0.01};
+    position.covariance = 0.02 * 0.02 * Eigen::Matrix2d::Identity();
+    add_position(position, graph);
+  }
+  const RejectedFixes off = rejected_fixes(graph, false);
+  EXPECT_EQ(off.num_fixes, 20);
+  EXPECT_EQ(off.num_left_out, 5);
+  EXPECT_NEAR(off.longest_s, 4.0, 1e-9);
+  EXPECT_EQ(rejected_fixes(graph).num_fixes, 0) << "none is of a receiver";
+}
+
 TEST(Receiver, APathIsLaidOnPositionsOfWhichSomeAreReflected) {
   SlamGraph graph = drive({0.3, 1.0, 4.0}, 3, 60.0);
   graph.georeferenced = false;

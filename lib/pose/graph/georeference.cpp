@@ -148,7 +148,7 @@ std::string rejected_fixes_text(const RejectedFixes& left_out, bool of_receiver)
   if (left_out.num_left_out == 0) return {};
   return fmt::format("{} of {} {} were rejected, with errors of up to {:.1f} m, for up to {:.1f} s",
                      left_out.num_left_out, left_out.num_fixes,
-                     of_receiver ? "GNSS fixes" : "POSE_FIX", left_out.farthest_m,
+                     of_receiver ? "GNSS fixes" : "pose fixes", left_out.farthest_m,
                      left_out.longest_s);
 }
 

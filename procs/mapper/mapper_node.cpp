@@ -484,7 +484,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   }
   content.photographs = album_.photographs(path());
   content.album_bytes_max = album_.max_bytes();
-  content.georeference = std::move(earth.place);
+  content.georeference = earth.place;
   content.degraded = degradation_.intervals();
   content.tree_scatter_m = mapper_.tree_scatter_m();
   return content;

@@ -22,7 +22,6 @@ namespace orchard::io {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const char kHeader[] =
     "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";

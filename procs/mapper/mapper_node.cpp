@@ -34,6 +34,7 @@ constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
 /// derived: Max number of refreshed landmarks per scan: one more tile.
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
+
 /// derived: How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to
 /// start, and earlier poses follow once the first pose is known.
 constexpr double kFirstPoseWait_s = 60.0;

@@ -95,6 +95,7 @@ class JournaledMapper : public bus::Node {
   bus::NodeCounts counts() const override { return mapper_->counts(); }
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
+  std::vector<Finding> findings() const override { return mapper_->findings(); }
 
   /// Returns the writing of the inputs so far to the journal, which may run in another thread. It
   /// throws io::FileError when they cannot be written, or when they would take the disk space

@@ -120,6 +120,14 @@ Json georeference_json(const geometry::Georeference& g) {
           {"epsg", geometry::utm_epsg(g)}};
 }
 
+/// Warning for a georeference whose residual is above kGeoreferenceResidualMax_m.
+std::string residual_warning(const geometry::Georeference& georeference) {
+  return "the georeference of the map is doubtful: GNSS fixes deviate by " +
+         fixed_text(georeference.residual_rms_m, 2) +
+         " m (RMS) from their positions in the map, but at most " +
+         fixed_text(geometry::kGeoreferenceResidualMax_m, 1) + " m are expected";
+}
+
 /// The hash as text: most readers parse JSON numbers as doubles.
 std::string hash_text(std::int64_t hash) {
   return fmt::format("{:016x}", static_cast<std::uint64_t>(hash));
@@ -231,6 +239,10 @@ std::string summary_json(const MapFolderContent& content) {
   json["counts"] = Json::object();
   for (const auto& [name, count] : summary.counts) json["counts"][name] = count;
   json["warnings"] = summary.warnings;
+  if (content.georeference &&
+      content.georeference->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
+    json["warnings"].push_back(residual_warning(*content.georeference));
+  }
   json["quality"] = Json::array();
   for (const Finding& finding : summary.quality) {
     json["quality"].push_back(

@@ -12,6 +12,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "geometry/angles.hpp"
+#include "node/mapper/row_drive.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -386,32 +387,13 @@ TEST(MapperNode, SatelliteFixesSayWhereTheMapLies) {
 }
 
 TEST(MapperNode, APathBesideItsFixesIsDoubtedLiveAndInTheMap) {
-  // The antenna drives a circle of 20 m; the path that was told is a tenth too wide in one half.
-  io::Config config;
-  config.pose.gnss.datum = {-27.6, 151.9, 600.0};
-  const GeographicLib::LocalCartesian enu(-27.6, 151.9, 600.0);
-  MapperNode node{config};
-  const bus::Outbox send = [](const bus::Message&) {};
-  for (int k = 0; k < 300; ++k) {
-    const std::int64_t utime = kStart_us + 100000 * k;
-    const double angle_rad = 2.0 * 3.14159265 * k / 300.0;
-    const double x_m = 20.0 * std::cos(angle_rad), y_m = 20.0 * std::sin(angle_rad);
-    pose::PoseEstimate pose = pose_at(0, utime);
-    pose.x_m = x_m;
-    pose.y_m = y_m > 0.0 ? 1.1 * y_m : y_m;
-    node.handle(pose, send);
-    pose::Gnss gnss;
-    gnss.utime = utime;
-    gnss.seq = k;
-    gnss.fix_quality = 4;
-    enu.Reverse(x_m, y_m, 0.0, gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m);
-    node.handle(gnss, send);
-  }
+  MapperNode node{io::Config{}};
+  drive_beside_fixes(node);
   const auto is_doubted = [](const std::vector<Finding>& findings) {
     return findings.size() == 1 && findings[0].name == "path_contradicts_fixes";
   };
   EXPECT_TRUE(is_doubted(node.findings())) << "while it drives";
-  node.flush(send);
+  node.flush([](const bus::Message&) {});
   EXPECT_TRUE(is_doubted(node.findings()));
   EXPECT_TRUE(is_doubted(node.content({}).summary.quality));
 }

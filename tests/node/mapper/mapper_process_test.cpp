@@ -211,6 +211,14 @@ TEST(JournaledMapper, WhatTheJournalLacksIsSaid) {
   EXPECT_NE(process.node.warning().find("lacks what they showed"), std::string::npos);
 }
 
+TEST(JournaledMapper, APathBesideItsFixesIsToldInStatus) {
+  const io::TestFolder folder;
+  Process process(rig(), folder.path());
+  drive_beside_fixes(process.node);
+  EXPECT_NE(bus::warning_text(process.node).find("GNSS fixes lie beside the path"),
+            std::string::npos);
+}
+
 TEST(JournaledMapper, StoppedAndStartedAgainItKeepsEveryId) {
   const io::TestFolder folder;
   std::string before;

@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "bus/node/node.hpp"
+#include "geometry/angles.hpp"
+#include "geometry/georeference.hpp"
 
 namespace orchard::procs {
 
@@ -55,5 +57,29 @@ class RowDrive {
  private:
   bus::Node& mapper_;
 };
+
+/// The antenna drives a circle of 20 m; the path that is told is a tenth too wide in one half.
+inline void drive_beside_fixes(bus::Node& mapper) {
+  const geometry::Georeference place{52.0, 5.0, 10.0, 0.0, 0.0, 0.0, 0.0};
+  for (int k = 0; k < 300; ++k) {
+    const double angle_rad = 2.0 * geometry::kPi * k / 300.0;
+    const Eigen::Vector2d p(20.0 * std::cos(angle_rad), 20.0 * std::sin(angle_rad));
+    pose::PoseEstimate pose;
+    pose.utime = 1'000'000 + 100'000 * k;
+    pose.seq = k;
+    pose.x_m = p.x();
+    pose.y_m = p.y() > 0.0 ? 1.1 * p.y() : p.y();
+    mapper.handle(pose, [](const bus::Message&) {});
+    const geometry::Geodetic at = geometry::geodetic_of(place, p);
+    pose::Gnss gnss;
+    gnss.utime = pose.utime;
+    gnss.seq = k;
+    gnss.fix_quality = 4;
+    gnss.latitude_deg = at.latitude_deg;
+    gnss.longitude_deg = at.longitude_deg;
+    gnss.altitude_m = place.altitude_m;
+    mapper.handle(gnss, [](const bus::Message&) {});
+  }
+}
 
 }  // namespace orchard::procs

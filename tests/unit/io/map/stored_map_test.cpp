@@ -22,6 +22,7 @@ namespace orchard::io {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const char kHeader[] =
     "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
@@ -265,6 +266,18 @@ TEST(MapGeopackage, HoldsWaysAndRowsAsLayers) {
   const std::unique_ptr<OGRFeature> aisle(dataset->GetLayerByName("aisles")->GetNextFeature());
   EXPECT_NEAR(aisle->GetFieldAsDouble("width_m"), 3.9, 1e-6);
   EXPECT_THAT(read_bytes(folder / "graph.json"), HasSubstr("\"kind\": \"aisle\""));
+}
+
+TEST(Summary, WarnsOfAGeoreferenceThatDoesNotFit) {
+  const TestFolder folder;
+  MapFolderContent content = content_with_rows();
+  content.georeference = geometry::Georeference{50.0, 8.0, 100.0, 0.0, 0.0, 0.0, 0.29};
+  write_map_folder(folder.path(), content);
+  EXPECT_THAT(read_bytes(folder / "summary.json"), Not(HasSubstr("doubtful")));
+  content.georeference->residual_rms_m = 0.84;
+  write_map_folder(folder.path(), content);
+  EXPECT_THAT(read_bytes(folder / "summary.json"),
+              HasSubstr("doubtful: GNSS fixes deviate by 0.84 m"));
 }
 
 }  // namespace
